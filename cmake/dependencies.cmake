@@ -1,0 +1,18 @@
+# Every Debian package that the build uses, found once. Which target comes from which package:
+# packages/build.txt.
+find_package(PkgConfig REQUIRED)
+find_package(Eigen3 3.4 REQUIRED NO_MODULE)
+find_package(tl-expected REQUIRED)
+find_package(fmt REQUIRED)
+find_package(nlohmann_json REQUIRED)
+find_package(tomlplusplus REQUIRED)
+find_package(ZLIB REQUIRED)
+find_package(zstd REQUIRED CONFIG)
+find_package(CLI11 REQUIRED)
+find_package(Protobuf 3.21 REQUIRED)
+find_package(Threads REQUIRED)
+find_package(Ceres 2.1 REQUIRED)
+find_package(SUNDIALS 6.4 REQUIRED CONFIG COMPONENTS cvodes nvecserial sunnonlinsolfixedpoint)
+pkg_check_modules(GEO REQUIRED IMPORTED_TARGET geographiclib)
+pkg_check_modules(LZ4 REQUIRED IMPORTED_TARGET liblz4)
+pkg_check_modules(DEFLATE REQUIRED IMPORTED_TARGET libdeflate)
