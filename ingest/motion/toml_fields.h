@@ -29,7 +29,8 @@ class TomlFields {
     }
     return value;
   }
-  void number(std::string_view key, double& into, double low = -1e300, double high = 1e300) {
+  /// As number and text, but a missing key leaves `into` as it is.
+  void set(std::string_view key, double& into, double low = -1e300, double high = 1e300) {
     if (const auto value = number(key, low, high)) into = *value;
   }
   std::optional<std::string> text(std::string_view key) {
@@ -39,7 +40,7 @@ class TomlFields {
     if (!value) complain(key, "expected a text in quotes", node);
     return value;
   }
-  void text(std::string_view key, std::string& into) {
+  void set(std::string_view key, std::string& into) {
     if (auto value = text(key)) into = std::move(*value);
   }
   /// Numbers of an array; nothing if the key is absent; a complaint if it is not one of `count` (0 = any) numbers.

@@ -19,8 +19,8 @@ constexpr double prior_latency_s = 0.05, prior_latency_sd_s = 0.08;
 constexpr double prior_trim_sd_deg = 3;
 
 void read_identity(TomlFields fields, Vehicle& vehicle) {
-  fields.text("id", vehicle.id);
-  fields.text("name", vehicle.name);
+  fields.set("id", vehicle.id);
+  fields.set("name", vehicle.name);
   vehicle.mass_kg = fields.number("mass_kg", 1e-3, 1e4);
   vehicle.rotor_diameter_m = fields.number("rotor_diameter_m", 1e-3, 20);
   if (const auto rotors = fields.number("rotors", 1, 64)) vehicle.rotors = static_cast<int>(*rotors);
@@ -54,39 +54,39 @@ void read_drag(TomlFields fields, Vehicle& v) {
   if (!fields.has("linear_per_s")) fields.complain("linear_per_s", "is missing: without it there is no drag law");
   // A file without a covariance is one written by hand: the sds of the prior stand in for what it does not tell.
   v.covariance = class_prior().covariance;
-  fields.number("linear_per_s", v.drag.linear, 1e-4, 100);
-  fields.number("quadratic_per_m", v.drag.quadratic, -1, 10);
+  fields.set("linear_per_s", v.drag.linear, 1e-4, 100);
+  fields.set("quadratic_per_m", v.drag.quadratic, -1, 10);
   const bool climb_known = fields.has("climb_linear_s_per_m") || fields.has("climb_quadratic_s2_per_m2");
-  fields.number("climb_linear_s_per_m", v.drag.climb_linear, -2, 2);
-  fields.number("climb_quadratic_s2_per_m2", v.drag.climb_quadratic, -2, 2);
+  fields.set("climb_linear_s_per_m", v.drag.climb_linear, -2, 2);
+  fields.set("climb_quadratic_s2_per_m2", v.drag.climb_quadratic, -2, 2);
   if (!climb_known) v.drag.climb_linear = prior_alpha;
-  fields.number("latency_s", v.latency_s, -2, 5);
-  fields.number("trim_roll_deg", v.trim_roll_deg, -30, 30);
-  fields.number("trim_pitch_deg", v.trim_pitch_deg, -30, 30);
+  fields.set("latency_s", v.latency_s, -2, 5);
+  fields.set("trim_roll_deg", v.trim_roll_deg, -30, 30);
+  fields.set("trim_pitch_deg", v.trim_pitch_deg, -30, 30);
   read_covariance(fields, v.covariance);
-  fields.number("between_flights_rel_sd", v.between_flights_rel_sd, 0, 2);
-  fields.number("air_density_kg_m3", v.air_density_kg_m3, 0.1, 3);
-  fields.number("density_exponent", v.density_exponent, 0, 2);
+  fields.set("between_flights_rel_sd", v.between_flights_rel_sd, 0, 2);
+  fields.set("air_density_kg_m3", v.air_density_kg_m3, 0.1, 3);
+  fields.set("density_exponent", v.density_exponent, 0, 2);
   if (const auto range = fields.numbers("airspeed_range_m_s", 2)) v.airspeed_range_m_s = {(*range)[0], (*range)[1]};
   fields.leftover();
 }
 
 void read_provenance(TomlFields fields, Vehicle& v) {
-  fields.text("method", v.method);
+  fields.set("method", v.method);
   v.excitation_m_s = fields.number("excitation_m_s", 0, 1e3);
   v.residual_rms_m_s2 = fields.number("residual_rms_m_s2", 0, 1e3);
   v.leave_one_out_m_s = fields.number("leave_one_out_m_s", 0, 1e3);
   for (auto& log : fields.tables("logs")) {
     VehicleLog entry;
-    log.text("name", entry.name);
-    log.text("sha256", entry.sha256);
+    log.set("name", entry.name);
+    log.set("sha256", entry.sha256);
     v.logs.push_back(entry);
   }
   if (const auto created = fields.text("created_utc")) {
     v.created = parse_iso8601(*created);
     if (!v.created) fields.complain("created_utc", "expected a time such as 2026-11-23T12:00:00Z");
   }
-  fields.text("version", v.version);
+  fields.set("version", v.version);
   fields.leftover();
 }
 
@@ -176,8 +176,8 @@ Result<Vehicle> parse_vehicle(std::string_view text, const std::string& file_nam
   read_identity(root.table("vehicle"), vehicle);
   read_drag(root.table("drag"), vehicle);
   auto noise = root.table("noise");
-  noise.number("tilt_sd_deg", vehicle.tilt_sd_deg, 0.001, 20);
-  noise.number("tilt_correlation_s", vehicle.tilt_correlation_s, 0, 60);
+  noise.set("tilt_sd_deg", vehicle.tilt_sd_deg, 0.001, 20);
+  noise.set("tilt_correlation_s", vehicle.tilt_correlation_s, 0, 60);
   noise.leftover();
   read_provenance(root.table("provenance"), vehicle);
   root.leftover();

@@ -1,0 +1,50 @@
+#pragma once
+// Random numbers that are the same on every machine and library.
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+#include <random>
+
+namespace quadsonde::ingest {
+
+/// Standard normal numbers by Box and Muller (1958) from a Mersenne twister: std::normal_distribution differs
+/// between standard libraries, this does not.
+class Gaussian {
+ public:
+  explicit Gaussian(std::uint64_t seed) : engine_(seed) {}
+  double operator()() {
+    if (has_spare_) {
+      has_spare_ = false;
+      return spare_;
+    }
+    const double radius = std::sqrt(-2 * std::log(uniform()));
+    const double angle = 2 * std::numbers::pi * uniform();
+    spare_ = radius * std::sin(angle);
+    has_spare_ = true;
+    return radius * std::cos(angle);
+  }
+  /// In (0, 1).
+  double uniform() { return (static_cast<double>(engine_() >> 11) + 0.5) * 0x1.0p-53; }
+
+ private:
+  std::mt19937_64 engine_;
+  double spare_ = 0;
+  bool has_spare_ = false;
+};
+
+/// Ornstein-Uhlenbeck process, exact at its step.
+class OrnsteinUhlenbeck {
+ public:
+  OrnsteinUhlenbeck(double sd, double correlation_time, double step, Gaussian& noise)
+      : decay_(correlation_time > 0 ? std::exp(-step / correlation_time) : 0),
+        drive_(sd * std::sqrt(1 - decay_ * decay_)), noise_(noise), value_(sd * noise()) {}
+  double next() { return value_ = decay_ * value_ + drive_ * noise_(); }
+  double value() const { return value_; }
+
+ private:
+  double decay_, drive_;
+  Gaussian& noise_;
+  double value_;
+};
+
+}  // namespace quadsonde::ingest

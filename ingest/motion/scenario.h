@@ -1,0 +1,15 @@
+#pragma once
+#include <filesystem>
+#include <string_view>
+
+#include "ingest/flight/problem.h"
+#include "ingest/motion/simulator.h"
+
+namespace quadsonde::ingest {
+
+/// SCENARIO.toml of design/CLI.md: [vehicle] (a vehicle file's tables, a path to one, or nothing for the published
+/// vehicle), [site], [wind], [[path]], [sensors], seed. Unknown keys are a Problem, with the line.
+Result<Scenario> parse_scenario(std::string_view toml, const std::filesystem::path& file);
+Result<Scenario> read_scenario(const std::filesystem::path& file);
+
+}  // namespace quadsonde::ingest
