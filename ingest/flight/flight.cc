@@ -100,7 +100,9 @@ void cut_stream(Stream<T>& stream, std::size_t first, std::size_t last) {
 
 void tidy(Flight& flight) {
   for_each_stream(flight, [&](auto& stream, const char* name) { tidy_stream(stream, flight.problems, name); });
-  for (auto& q : flight.attitude.value) q.normalize();
+  // A unit quaternion stays as it is, so that tidying twice changes no bit.
+  for (auto& q : flight.attitude.value)
+    if (std::abs(q.squaredNorm() - 1) > 1e-14) q.normalize();
 }
 
 std::optional<std::pair<LogTime, LogTime>> time_span(const Flight& flight) {

@@ -1,0 +1,442 @@
+#include "estimator/smoother/estimate.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
+
+#include "estimator/filter/classic_filter.h"
+#include "estimator/smoother/likelihood.h"
+#include "estimator/smoother/passes.h"
+
+namespace quadsonde::estimator {
+namespace {
+
+using ingest::Flight;
+using ingest::Kind;
+using ingest::Vehicle;
+
+constexpr double degree = std::numbers::pi / 180;
+
+/// Density for the flight: told, measured, or of the standard atmosphere at the flight's mean height.
+struct Density {
+  double value = ingest::sea_level_air_density;
+  bool standard = true;
+};
+
+Density flight_density(const Flight& flight, const Vehicle& vehicle, const EstimateSettings& settings) {
+  if (settings.air_density_kg_m3) return {*settings.air_density_kg_m3, false};
+  double sum = 0;
+  int count = 0;
+  for (const auto& sample : flight.air.value)
+    if (sample.pressure_pa && sample.temperature_k)
+      sum += ingest::air_density(*sample.pressure_pa, *sample.temperature_k, sample.relative_humidity_pct.value_or(50)),
+          ++count;
+  if (count > 0) return {sum / count, false};
+  if (flight.height_msl.empty()) return {vehicle.air_density_kg_m3, true};
+  double height = 0;
+  for (const auto& h : flight.height_msl.value) height += h.m;
+  return {ingest::standard_air_density(height / static_cast<double>(flight.height_msl.size())), true};
+}
+
+Eigen::Matrix2d trim_jacobian() {
+  // b = g (tan trim_pitch, -tan trim_roll), per degree, rows b_x b_y, columns roll pitch.
+  const double g = ingest::standard_gravity * degree;
+  Eigen::Matrix2d J;
+  J << 0, g, -g, 0;
+  return J;
+}
+
+/// A calibrated trim is weighed, not believed: its sd carries 0.3 degrees more into the next flight.
+Eigen::Matrix2d trim_covariance(const Vehicle& vehicle) {
+  Eigen::Matrix2d C = vehicle.covariance.block<2, 2>(ingest::p_trim_roll, ingest::p_trim_roll);
+  constexpr double between_flights_deg = 0.3;
+  C += between_flights_deg * between_flights_deg * Eigen::Matrix2d::Identity();
+  const Eigen::Matrix2d J = trim_jacobian();
+  return J * C * J.transpose();
+}
+
+ConsiderCovariance consider_covariance(const Vehicle& vehicle, const EstimateSettings& settings,
+                                       const Eigen::Matrix2d& trim, bool trim_is_state) {
+  ConsiderCovariance C = ConsiderCovariance::Zero();
+  const int from[] = {ingest::p_linear, ingest::p_quadratic, ingest::p_latency, ingest::p_climb_linear,
+                      ingest::p_climb_quadratic};
+  const int to[] = {c_linear, c_quadratic, c_latency, c_climb_linear, c_climb_quadratic};
+  for (int i = 0; i < 5; ++i)
+    for (int j = 0; j < 5; ++j) C(to[i], to[j]) = vehicle.covariance(from[i], from[j]);
+  // From flight to flight both coefficients move by one factor.
+  const Eigen::Vector2d coefficients(vehicle.drag.linear, vehicle.drag.quadratic);
+  C.block<2, 2>(c_linear, c_linear) +=
+      vehicle.between_flights_rel_sd * vehicle.between_flights_rel_sd * coefficients * coefficients.transpose();
+  C(c_heading, c_heading) = std::pow(settings.heading_sd_deg * degree, 2);
+  if (!trim_is_state) C.block<2, 2>(c_trim_x, c_trim_x) = trim;
+  return C;
+}
+
+/// PSD of the acceleration noise that the attitude's error makes: white per sample, or correlated.
+double tilt_psd(const Vehicle& vehicle, double attitude_interval) {
+  const double sd = ingest::standard_gravity * vehicle.tilt_sd_deg * degree;
+  return vehicle.tilt_correlation_s > 0 ? 2 * sd * sd * vehicle.tilt_correlation_s : sd * sd * attitude_interval;
+}
+
+/// One flight's estimation, stage by stage.
+class Estimation {
+ public:
+  Estimation(const Flight& flight, const Vehicle& vehicle, const EstimateSettings& settings)
+      : flight_(flight), settings_(settings), density_(flight_density(flight, vehicle, settings)) {
+    // Without a mass asked for, scaling cannot fail.
+    vehicle_ = *ingest::flown_at(vehicle, std::nullopt, density_.value);
+  }
+
+  WindSeries run() {
+    lay_steps();
+    prepare();
+    if (settings_.mode == Mode::classic)
+      run_classic();
+    else if (settings_.mode == Mode::causal)
+      run_causal();
+    else
+      run_smoothed();
+    finish_diagnostics();
+    return std::move(series_);
+  }
+
+ private:
+  void lay_steps() {
+    StepSettings s;
+    s.latency = vehicle_.latency_s;
+    s.drag = vehicle_.drag.linear;
+    s.max_gap = settings_.max_gap_s;
+    s.velocity_sd = settings_.velocity_sd_m_s;
+    s.causal = settings_.mode == Mode::causal;
+    steps_ = make_steps(flight_, s);
+  }
+
+  void prepare() {
+    const double Y = heading_index(steps_.steps, steps_.steps.size());
+    pass_.model.drag = vehicle_.drag;
+    pass_.model.turbulence_time = settings_.turbulence_time_s;
+    pass_.model.turbulence_sd = settings_.turbulence_sd_m_s.value_or(0.5);
+    pass_.model.wind_time_psd = settings_.wind_time_psd;
+    pass_.model.wind_height_psd = settings_.wind_height_psd;
+    pass_.model.tilt_psd = tilt_psd(vehicle_, steps_.attitude_interval);
+    pass_.model.vertical_sd = settings_.vertical_wind_sd_m_s;
+    pass_.model.vertical_time = settings_.vertical_wind_time_s;
+    pass_.model.trim_is_state = Y >= 0.4 && settings_.mode != Mode::causal;
+    pass_.limits.gate_nis = settings_.gate_nis;
+    pass_.trim = ingest::standard_gravity * Eigen::Vector2d(std::tan(vehicle_.trim_pitch_deg * degree),
+                                                            -std::tan(vehicle_.trim_roll_deg * degree));
+    pass_.trim_covariance = trim_covariance(vehicle_);
+    pass_.jump_test = settings_.jump_test;
+    auto& d = series_.diagnostics;
+    d.heading_index = Y;
+    d.trim_estimated = Y >= 0.4;
+    d.air_density = density_.value;
+    d.standard_density = density_.standard;
+    d.climb_linear = vehicle_.drag.climb_linear;
+    d.climb_linear_sd = vehicle_.parameter_sd(ingest::p_climb_linear);
+    series_.mode = settings_.mode;
+  }
+
+  // -- the two-sided estimate
+
+  void run_smoothed() {
+    find_jumps();
+    fit_turbulence();
+    if (settings_.estimate_climb_law && vehicle_.parameter_sd(ingest::p_climb_linear) > 0 &&
+        flies_up_and_down(steps_.steps)) {
+      fit_climb_law();
+      fit_turbulence();
+    }
+    if (settings_.jump_test && !jump_test_off_) find_jumps();
+    pass_.keep_trace = true;
+    ForwardPass forward = run_forward(steps_.steps, pass_);
+    auto trace = std::make_shared<SmootherTrace>(std::move(forward.trace));
+    trace->consider = consider_covariance(vehicle_, settings_, pass_.trim_covariance, pass_.model.trim_is_state);
+    smooth(*trace);
+    note(forward);
+    for (std::size_t k = 0; k < steps_.steps.size(); ++k) {
+      const auto at = trace->of_point[k];
+      if (at < 0) {
+        add_point(k, nullptr, trace->consider, pass_.model.trim_is_state);
+        continue;
+      }
+      const auto& s = trace->steps[static_cast<std::size_t>(at)];
+      const auto wind = wind_posterior(s.x, s.P, s.S, pass_.model.trim_is_state);
+      add_point(k, &wind, trace->consider, pass_.model.trim_is_state);
+    }
+    if (!trace->steps.empty()) note_trim(trace->steps.back().x, trace->steps.back().P);
+    series_.trace = trace;
+  }
+
+  /// Where the wind stepped: W is opened half a second before each detection, where a second pass finds it.
+  void find_jumps() {
+    pass_.jumps.clear();
+    if (!settings_.jump_test) return;
+    pass_.jump_test = true;
+    const auto pass = run_forward(steps_.steps, pass_);
+    pass_.jump_test = false;
+    const double minutes = steps_.steps.empty() ? 0 : steps_.steps.back().seconds / 60;
+    series_.diagnostics.jumps = static_cast<int>(pass.found_jumps.size());
+    if (pass.found_jumps.size() >= 4 && static_cast<double>(pass.found_jumps.size()) > 0.5 * minutes) {
+      // So many steps are no weather: the model does not fit, and opening W would push the trim about.
+      jump_test_off_ = true;
+      return;
+    }
+    for (const auto found : pass.found_jumps) {
+      std::size_t k = found;
+      while (k > 0 && steps_.steps[found].seconds - steps_.steps[k].seconds < 0.5) --k;
+      pass_.jumps.push_back(k + 1);
+    }
+  }
+
+  void fit_turbulence() {
+    if (settings_.turbulence_sd_m_s) return;
+    pass_.model.turbulence_sd = most_likely_turbulence(steps_.steps, pass_);
+  }
+
+  void fit_climb_law() {
+    const auto law = most_likely_climb_law(steps_.steps, pass_, vehicle_.drag.climb_linear,
+                                           vehicle_.parameter_sd(ingest::p_climb_linear));
+    vehicle_.drag.climb_linear = pass_.model.drag.climb_linear = law.value;
+    vehicle_.covariance.row(ingest::p_climb_linear).setZero();
+    vehicle_.covariance.col(ingest::p_climb_linear).setZero();
+    vehicle_.covariance(ingest::p_climb_linear, ingest::p_climb_linear) = law.sd * law.sd;
+    auto& d = series_.diagnostics;
+    d.climb_linear = law.value;
+    d.climb_linear_sd = law.sd;
+    d.climb_estimated = true;
+  }
+
+  // -- the causal estimate
+
+  void run_causal() {
+    pass_.causal = true;
+    pass_.adapt_turbulence = !settings_.turbulence_sd_m_s.has_value();
+    const auto pass = run_forward(steps_.steps, pass_);
+    series_.diagnostics.jumps = static_cast<int>(pass.found_jumps.size());
+    note(pass);
+    note_trim(pass.x, pass.P);
+    pass_.model.turbulence_sd = pass.trace.turbulence_sd;
+    const auto frozen = consider_covariance(vehicle_, settings_, pass_.trim_covariance, false);
+    for (std::size_t k = 0; k < steps_.steps.size(); ++k) {
+      const auto& point = pass.causal[k];
+      add_point(k, pass.active[k] ? &point.wind : nullptr, frozen, point.trim_is_state);
+    }
+  }
+
+  // -- the published filter
+
+  void run_classic() {
+    ClassicConstants constants;
+    constants.mass = vehicle_.mass_kg.value_or(1);
+    constants.drag = vehicle_.drag.linear * constants.mass;
+    ClassicFilter filter(constants);
+    // Its constants hold at 10 Hz: velocity and thrust direction are averaged onto that grid.
+    const auto& steps = steps_.steps;
+    std::size_t k = 0;
+    while (k < steps.size()) {
+      const double end = steps[k].seconds + constants.step - 1e-6;
+      Eigen::Vector3d n = Eigen::Vector3d::Zero();
+      Eigen::Vector2d v = Eigen::Vector2d::Zero();
+      std::size_t first = k;
+      for (; k < steps.size() && (k == first || steps[k].seconds < end); ++k) {
+        const Eigen::Vector2d s = steps[k].input.slope;
+        n += Eigen::Vector3d(-s.x(), -s.y(), 1).normalized();
+        v += steps[k].v;
+      }
+      const double count = static_cast<double>(k - first);
+      // A slower log repeats its last values: the filter knows no other rate.
+      const double until = k < steps.size() ? steps[k].seconds : steps.back().seconds + constants.step;
+      const int repeats = std::clamp(static_cast<int>(std::lround((until - steps[first].seconds) / constants.step)), 1, 20);
+      for (int i = 0; i < repeats; ++i) filter.step(n / count, v / count);
+      for (std::size_t i = first; i < k; ++i) add_classic_point(i, filter.wind());
+    }
+  }
+
+  // -- points
+
+  WindPoint place_point(std::size_t k) {
+    const Step& step = steps_.steps[k];
+    WindPoint point;
+    point.time = step.time - ingest::seconds(vehicle_.latency_s);
+    point.utc = flight_.clock.to_utc(point.time);
+    point.v_up = -step.input.v_down;
+    if (const auto i = nearest(flight_.position, point.time, 0)) point.place = flight_.position.value[*i];
+    point.height_msl = height_at(flight_.height_msl, point.time, msl_hint_);
+    point.height_agl = height_at(flight_.height_ground, point.time, agl_hint_);
+    if (!point.height_agl && point.height_msl && settings_.takeoff)
+      point.height_agl = ingest::above_takeoff(*point.height_msl, *settings_.takeoff);
+    return point;
+  }
+
+  template <class T>
+  std::optional<std::size_t> nearest(const ingest::Stream<T>& stream, ingest::LogTime t, int) {
+    if (stream.empty()) return std::nullopt;
+    const auto at = ingest::last_at_or_before(stream, t);
+    return static_cast<std::size_t>(std::max<std::ptrdiff_t>(at, 0));
+  }
+
+  template <class H>
+  static std::optional<H> height_at(const ingest::Stream<H>& stream, ingest::LogTime t, std::size_t& hint) {
+    if (stream.empty()) return std::nullopt;
+    while (hint + 1 < stream.size() && stream.time[hint + 1] <= t) ++hint;
+    if (hint + 1 >= stream.size() || stream.time[hint] > t) return stream.value[hint];
+    const double span = ingest::to_seconds(stream.time[hint + 1] - stream.time[hint]);
+    const double part = span > 0 ? ingest::to_seconds(t - stream.time[hint]) / span : 0;
+    return H{stream.value[hint].m + part * (stream.value[hint + 1].m - stream.value[hint].m)};
+  }
+
+  void add_point(std::size_t k, const WindPosterior* wind, const ConsiderCovariance& consider, bool trim_is_state) {
+    const Step& step = steps_.steps[k];
+    WindPoint point = place_point(k);
+    if (!wind || !step.sound) {
+      point.wind = NoEstimate{step.sound ? Reason::converging : step.fault};
+      point.reasons.add(std::get<NoEstimate>(point.wind).reason);
+      series_.points.push_back(std::move(point));
+      return;
+    }
+    if (wind->without_trim(0, 0) > 1 || wind->without_trim(1, 1) > 1) {
+      point.wind = NoEstimate{Reason::converging};
+      point.reasons.add(Reason::converging);
+      series_.points.push_back(std::move(point));
+      return;
+    }
+    WindEstimate estimate;
+    estimate.v_NA_N = wind->wind;
+    auto C = consider;
+    if (trim_is_state) C.block<2, 2>(c_trim_x, c_trim_x).setZero();
+    estimate.covariance = wind->covariance + wind->sensitivity * C * wind->sensitivity.transpose();
+    point.wind = estimate;
+    judge(point, estimate, step, trim_is_state);
+    series_.points.push_back(std::move(point));
+  }
+
+  void add_classic_point(std::size_t k, const Eigen::Vector2d& wind) {
+    WindPoint point = place_point(k);
+    WindEstimate estimate;
+    estimate.v_NA_N = wind;
+    estimate.has_covariance = false;
+    point.wind = estimate;
+    // It reports no uncertainty, so it can never be called good.
+    point.quality = Quality::doubtful;
+    if (vehicle_.is_prior()) point.reasons.add(Reason::uncalibrated);
+    series_.points.push_back(std::move(point));
+  }
+
+  /// What makes a value doubtful. Source: MODEL.md section 10.
+  void judge(WindPoint& point, const WindEstimate& wind, const Step& step, bool trim_is_state) {
+    Reasons doubts;
+    if (step.input.v_down > descent_limit()) doubts.add(Reason::fast_descent);
+    if (!trim_is_state) doubts.add(Reason::trim_unobserved);
+    const double speed = wind.v_NA_N.norm();
+    const double widest = std::sqrt(std::max(wind.covariance(0, 0), wind.covariance(1, 1)));
+    if (widest > 1 && widest > 0.3 * speed) doubts.add(Reason::wide_uncertainty);
+    const double airspeed = (step.v - wind.v_NA_N).norm();
+    auto& d = series_.diagnostics;
+    d.max_airspeed = std::max(d.max_airspeed, airspeed);
+    if (vehicle_.airspeed_range_m_s.y() > 0 && airspeed > 1.1 * vehicle_.airspeed_range_m_s.y())
+      doubts.add(Reason::outside_airspeed_range);
+    if (point.height_agl && point.height_agl->m < 3) doubts.add(Reason::low_height);
+    if (jump_test_off_) doubts.add(Reason::model_fault);
+    point.quality = doubts.empty() ? Quality::good : Quality::doubtful;
+    point.reasons.add(doubts);
+    if (vehicle_.is_prior()) point.reasons.add(Reason::uncalibrated);
+    if (density_.standard) point.reasons.add(Reason::standard_density);
+  }
+
+  /// Half the induced velocity of the hover where mass and rotors are known, 2 m/s at most [m/s].
+  double descent_limit() const {
+    constexpr double most = 2;
+    if (!vehicle_.mass_kg || !vehicle_.rotor_diameter_m || vehicle_.rotors == 0) return most;
+    const double area = vehicle_.rotors * std::numbers::pi / 4 * std::pow(*vehicle_.rotor_diameter_m, 2);
+    const double induced = std::sqrt(*vehicle_.mass_kg * ingest::standard_gravity / (2 * density_.value * area));
+    return std::min(most, induced / 2);
+  }
+
+  // -- what the flight says about itself
+
+  void note(const ForwardPass& pass) {
+    auto& d = series_.diagnostics;
+    d.rejected = pass.rejected;
+    d.restarts = pass.restarts;
+    d.log_likelihood = pass.log_likelihood;
+    d.nis_mean = pass.updates ? pass.nis_sum / static_cast<double>(pass.updates) : 0;
+    d.jump_test_off = jump_test_off_;
+  }
+
+  void note_trim(const State<double>& x, const StateMatrix<double>& P) {
+    const double g = ingest::standard_gravity * degree;
+    auto& d = series_.diagnostics;
+    d.trim_deg = {-x(i_b + 1) / g, x(i_b) / g};
+    const auto& prior = pass_.trim_covariance;
+    const bool frozen = P(i_b, i_b) == 0;
+    d.trim_sd_deg = {std::sqrt(frozen ? prior(1, 1) : P(i_b + 1, i_b + 1)) / g,
+                     std::sqrt(frozen ? prior(0, 0) : P(i_b, i_b)) / g};
+  }
+
+  void finish_diagnostics() {
+    auto& d = series_.diagnostics;
+    d.sigma_u = pass_.model.turbulence_sd;
+    d.excitation = excitation();
+    for (const auto& step : steps_.steps) d.max_tilt_deg = std::max(d.max_tilt_deg, step.tilt / degree);
+    if (density_.standard && settings_.mode != Mode::classic)
+      series_.problems.push_back({Kind::doubtful,
+                                  fmt::format("the air density {:.3f} kg/m3 is that of the standard atmosphere", density_.value),
+                                  {}, "give --air-density-kg-m3 or a temperature and pressure record with --sensor"});
+  }
+
+  /// X = rms of (v - its projection on span{1, exp(i psi)}), v as N + iE [m/s].
+  double excitation() const {
+    using C = std::complex<double>;
+    C sum_v = 0, sum_e = 0, sum_ve = 0;
+    double n = 0, sum_vv = 0;
+    for (const auto& step : steps_.steps) {
+      if (!step.sound) continue;
+      const C v(step.v.x(), step.v.y()), e = std::polar(1.0, step.heading);
+      sum_v += v, sum_e += e, sum_ve += v * std::conj(e), sum_vv += std::norm(v), n += 1;
+    }
+    if (n < 3) return 0;
+    // Least squares of v = p + q e: normal equations with |e| = 1.
+    const double det = n * n - std::norm(sum_e);
+    if (det < 1e-9 * n * n) return std::sqrt(std::max(0.0, sum_vv / n - std::norm(sum_v / n)));
+    const C q = (n * sum_ve - sum_v * std::conj(sum_e)) / det, p = (sum_v - q * sum_e) / n;
+    const double explained = (p * std::conj(sum_v) + q * std::conj(sum_ve)).real();
+    return std::sqrt(std::max(0.0, (sum_vv - explained) / n));
+  }
+
+  const Flight& flight_;
+  const EstimateSettings& settings_;
+  Density density_;
+  Vehicle vehicle_;
+  Steps steps_;
+  PassSettings pass_;
+  WindSeries series_;
+  bool jump_test_off_ = false;
+  std::size_t msl_hint_ = 0, agl_hint_ = 0;
+};
+
+}  // namespace
+
+ingest::Result<WindSeries> estimate_wind(const Flight& flight, const Vehicle& vehicle, const EstimateSettings& settings) {
+  if (flight.attitude.empty())
+    return ingest::fail(Kind::missing, "the flight has no attitude, and the wind is read from the tilt", {},
+                        "log the attitude (quaternion or roll, pitch, yaw) at 5 Hz or more");
+  if (flight.velocity.empty())
+    return ingest::fail(Kind::missing, "the flight has neither velocity nor a position to take it from", {},
+                        "log the GPS velocity or position");
+  auto series = Estimation(flight, vehicle, settings).run();
+  const bool any = std::any_of(series.points.begin(), series.points.end(), [](const WindPoint& p) {
+    return std::holds_alternative<WindEstimate>(p.wind);
+  });
+  if (!any) {
+    const Reason why = series.points.empty() ? Reason::no_samples : std::get<NoEstimate>(series.points.back().wind).reason;
+    return ingest::fail(Kind::no_answer, fmt::format("no instant of this flight has a wind: {}", sentence(why)), {},
+                        "fly for a minute or more with attitude and velocity logged, turning the nose once round");
+  }
+  return series;
+}
+
+}  // namespace quadsonde::estimator

@@ -1,0 +1,285 @@
+#include "profiles/make_profile.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <complex>
+#include <map>
+#include <numbers>
+
+#include "profiles/bin_statistics.h"
+#include "profiles/legs.h"
+
+namespace quadsonde::profiles {
+namespace {
+
+using estimator::Reason;
+using estimator::WindEstimate;
+using estimator::WindSeries;
+using ingest::Kind;
+
+/// Where and when the samples of a bin were.
+struct Location {
+  double agl = 0, msl = 0, lat = 0, lon = 0;
+  std::size_t agl_count = 0, msl_count = 0, place_count = 0, utc_count = 0;
+  std::int64_t first_utc = 0;
+  double utc_sum = 0;  // seconds after first_utc
+
+  void add(const estimator::WindPoint& p) {
+    if (p.height_agl) agl += p.height_agl->m, ++agl_count;
+    if (p.height_msl) msl += p.height_msl->m, ++msl_count;
+    if (p.place) lat += p.place->lat_deg, lon += p.place->lon_deg, ++place_count;
+    if (p.utc) {
+      if (utc_count == 0) first_utc = p.utc->ns;
+      utc_sum += static_cast<double>(p.utc->ns - first_utc) * 1e-9, ++utc_count;
+    }
+  }
+  void into(Bin& bin) const {
+    const auto mean = [](double sum, std::size_t n) { return sum / static_cast<double>(n); };
+    if (agl_count) bin.height_agl = ingest::GroundHeight{mean(agl, agl_count)};
+    if (msl_count) bin.height_msl = ingest::MslHeight{mean(msl, msl_count)};
+    if (place_count) bin.place = ingest::GeoPoint{mean(lat, place_count), mean(lon, place_count)};
+    if (utc_count) bin.utc = ingest::UtcTime{first_utc} + ingest::seconds(mean(utc_sum, utc_count));
+  }
+};
+
+/// Yamartino (1984): spread of the direction from the mean sine and cosine [deg].
+std::optional<double> direction_spread(const WindSeries& series, const std::vector<std::size_t>& members) {
+  double s = 0, c = 0, n = 0;
+  for (const auto i : members) {
+    const auto& w = std::get<WindEstimate>(series.points[i].wind).v_NA_N;
+    if (w.norm() < 1e-6) continue;
+    s += w.y() / w.norm(), c += w.x() / w.norm(), n += 1;
+  }
+  if (n < 2) return std::nullopt;
+  const double e = std::sqrt(std::max(0.0, 1 - (s * s + c * c) / (n * n)));
+  return std::asin(e) * (1 + 0.1547 * e * e * e) * 180 / std::numbers::pi;
+}
+
+/// Turns the parts of one bin and their weights into a row.
+class Profiler {
+ public:
+  Profiler(const WindSeries& series, const ProfileSettings& settings) : series_(series), settings_(settings) {}
+
+  ingest::Result<WindProfile> run() {
+    profile_.bin_m = settings_.bin_m;
+    profile_.datum = settings_.datum;
+    if (const auto problem = choose_datum()) return ingest::fail(*problem);
+    parts_ = find_parts(series_.points, heights_, settings_.bin_m / 2);
+    collect();
+    if (low_ > high_)
+      return ingest::fail(Kind::no_answer, "no instant of this flight has both a wind and a height", {},
+                          "see `quadsonde info` for what the log lacks");
+    write_legs();
+    return std::move(profile_);
+  }
+
+ private:
+  std::optional<ingest::Problem> choose_datum() {
+    heights_ = heights_in(settings_.datum);
+    if (any(heights_)) return std::nullopt;
+    const Datum other = settings_.datum == Datum::agl ? Datum::msl : Datum::agl;
+    heights_ = heights_in(other);
+    if (!any(heights_))
+      return ingest::Problem{Kind::missing, "the flight has no height, so there is no profile", {},
+                             "log a barometer or GNSS height"};
+    profile_.datum = other;
+    profile_.problems.push_back(
+        {Kind::missing,
+         settings_.datum == Datum::agl ? "the height of the take-off point is not known: bins are above mean sea level"
+                                       : "the height above mean sea level is not known: bins are above take-off",
+         {}, settings_.datum == Datum::agl ? "give --takeoff-msl M to get heights above take-off"
+                                           : "log a GNSS height to get heights above sea level"});
+    return std::nullopt;
+  }
+
+  std::vector<std::optional<double>> heights_in(Datum datum) const {
+    std::vector<std::optional<double>> heights;
+    heights.reserve(series_.points.size());
+    for (const auto& p : series_.points) {
+      if (datum == Datum::agl)
+        heights.push_back(p.height_agl ? std::optional(p.height_agl->m) : std::nullopt);
+      else
+        heights.push_back(p.height_msl ? std::optional(p.height_msl->m) : std::nullopt);
+    }
+    return heights;
+  }
+  static bool any(const std::vector<std::optional<double>>& heights) {
+    return std::any_of(heights.begin(), heights.end(), [](const auto& h) { return h.has_value(); });
+  }
+
+  void collect() {
+    for (std::size_t i = 0; i < series_.points.size(); ++i) {
+      if (!heights_[i] || !std::holds_alternative<WindEstimate>(series_.points[i].wind)) continue;
+      const int bin = static_cast<int>(std::floor(*heights_[i] / settings_.bin_m));
+      members_[static_cast<int>(parts_[i])][bin].push_back(i);
+      low_ = std::min(low_, bin);
+      high_ = std::max(high_, bin);
+    }
+  }
+
+  void write_legs() {
+    const bool climbs = !members_[0].empty() || !members_[1].empty();
+    const auto& d = series_.diagnostics;
+    Leg up{LegName::up, {}}, down{LegName::down, {}}, all{LegName::all, {}};
+    for (int b = low_; b <= high_; ++b) {
+      std::vector<BinMean> means;
+      std::vector<std::size_t> together;
+      for (const auto part : {Part::up, Part::down, Part::level}) {
+        const auto found = members_[static_cast<int>(part)].find(b);
+        const std::vector<std::size_t> none;
+        const auto& members = found == members_[static_cast<int>(part)].end() ? none : found->second;
+        const BinMean mean = bin_mean(series_, members);
+        if (climbs && part == Part::up) up.bins.push_back(row(b, mean, members));
+        if (climbs && part == Part::down) down.bins.push_back(row(b, mean, members));
+        if (mean.samples) means.push_back(mean);
+        together.insert(together.end(), members.begin(), members.end());
+      }
+      if (climbs) test_difference(up.bins.back(), down.bins.back());
+      std::sort(together.begin(), together.end());
+      all.bins.push_back(row(b, combined(means, d.sigma_u), together));
+    }
+    if (climbs) profile_.legs = {up, down};
+    profile_.legs.push_back(all);
+    close_test();
+  }
+
+  /// Covariance-weighted mean of the parts of a bin; doubtful parts only where no other is.
+  BinMean combined(std::vector<BinMean> means, double sigma_u) const {
+    const auto doubtful = [](const BinMean& m) { return m.doubtful_share > 0.5; };
+    if (!std::all_of(means.begin(), means.end(), doubtful)) std::erase_if(means, doubtful);
+    if (means.empty()) return {};
+    if (means.size() == 1) return means.front();
+    Eigen::Matrix2d information = Eigen::Matrix2d::Zero();
+    std::vector<Eigen::Matrix2d> weights;
+    for (const auto& m : means) {
+      const double sampling = sampling_variance(sigma_u, time_u(), m.seconds);
+      weights.push_back((m.noise + sampling * Eigen::Matrix2d::Identity()).inverse());
+      information += weights.back();
+    }
+    BinMean out;
+    out.turbulence.setZero();
+    for (std::size_t i = 0; i < means.size(); ++i) {
+      const auto& m = means[i];
+      const Eigen::Matrix2d W = information.inverse() * weights[i];
+      out.wind += W * m.wind;
+      out.noise += W * m.noise * W.transpose();
+      out.per_trim += W * m.per_trim;
+      out.trim = m.trim;
+      out.per_parameter += W * m.per_parameter;
+      out.turbulence += m.turbulence * m.seconds;
+      out.seconds += m.seconds;
+      out.samples += m.samples;
+      out.effective_samples += m.effective_samples;
+      out.reasons.add(m.reasons);
+      out.doubtful_share += m.doubtful_share * static_cast<double>(m.samples);
+    }
+    out.turbulence /= std::max(out.seconds, 1e-9);
+    out.doubtful_share /= static_cast<double>(out.samples);
+    return out;
+  }
+
+  double time_u() const { return series_.trace ? series_.trace->turbulence_time : 10; }
+
+  Bin row(int index, const BinMean& mean, const std::vector<std::size_t>& members) const {
+    Bin bin;
+    bin.bottom = index * settings_.bin_m;
+    bin.top = bin.bottom + settings_.bin_m;
+    Location location;
+    for (const auto i : members) location.add(series_.points[i]);
+    location.into(bin);
+    if (mean.samples == 0) {
+      bin.reasons.add(Reason::no_samples);
+      const double middle = (bin.bottom + bin.top) / 2;
+      if (profile_.datum == Datum::agl)
+        bin.height_agl = ingest::GroundHeight{middle};
+      else
+        bin.height_msl = ingest::MslHeight{middle};
+      return bin;
+    }
+    fill(bin, mean);
+    bin.spread_from_deg = direction_spread(series_, members);
+    return bin;
+  }
+
+  void fill(Bin& bin, const BinMean& mean) const {
+    WindEstimate wind;
+    wind.v_NA_N = mean.wind;
+    wind.has_covariance = series_.mode != estimator::Mode::classic;
+    bin.samples = mean.samples;
+    bin.reasons = mean.reasons;
+    if (series_.trace) {
+      const auto& C = series_.trace->consider;
+      const Eigen::Matrix2d calibration = mean.per_parameter * C * mean.per_parameter.transpose();
+      const Eigen::Matrix2d trim = mean.trim_part();
+      wind.covariance = mean.noise + trim + calibration;
+      bin.sd_calibration = std::sqrt(std::max(0.0, calibration.trace() / 2));
+      bin.sd_trim = std::sqrt(std::max(0.0, trim.trace() / 2));
+      bin.sd_sampling = std::sqrt(sampling_variance(series_.diagnostics.sigma_u, time_u(), mean.seconds));
+      bin.effective_samples = mean.effective_samples;
+      // Shorter than two correlation times, a bin tells nothing of its turbulence.
+      if (mean.seconds >= 2 * time_u()) bin.sigma = mean.turbulence.cwiseSqrt();
+    } else {
+      wind.covariance = mean.noise;
+    }
+    bin.wind = wind;
+    bool doubtful = mean.doubtful_share > 0.5;
+    if (mean.samples < 10 || (series_.trace && mean.effective_samples < 1)) {
+      bin.reasons.add(Reason::few_samples);
+      doubtful = true;
+    }
+    const double widest = std::sqrt(std::max(wind.covariance(0, 0), wind.covariance(1, 1)));
+    if (widest > 1 && widest > 0.3 * mean.wind.norm()) {
+      bin.reasons.add(Reason::wide_uncertainty);
+      doubtful = true;
+    }
+    bin.quality = doubtful ? Quality::doubtful : Quality::good;
+  }
+
+  /// chi2 = d' (C_up + C_down + turbulence)^-1 d, bin by bin.
+  void test_difference(const Bin& up, const Bin& down) {
+    const auto* a = std::get_if<WindEstimate>(&up.wind);
+    const auto* b = std::get_if<WindEstimate>(&down.wind);
+    if (!a || !b || !up.sd_sampling || !down.sd_sampling) return;
+    const double sampling = std::pow(*up.sd_sampling, 2) + std::pow(*down.sd_sampling, 2);
+    const Eigen::Matrix2d C = a->covariance + b->covariance + sampling * Eigen::Matrix2d::Identity();
+    const Eigen::Vector2d d = a->v_NA_N - b->v_NA_N;
+    chi2_ += d.dot(C.inverse() * d);
+    dof_ += 2;
+  }
+
+  void close_test() {
+    if (dof_ == 0) return;
+    // Wilson and Hilferty's cube root makes chi-square nearly normal.
+    const double n = dof_, z = (std::cbrt(chi2_ / n) - (1 - 2 / (9 * n))) / std::sqrt(2 / (9 * n));
+    profile_.up_down = UpDownTest{chi2_, dof_, 0.5 * std::erfc(z / std::numbers::sqrt2)};
+    if (profile_.up_down->p_value > 0.01) return;
+    for (auto& leg : profile_.legs)
+      for (auto& bin : leg.bins)
+        if (bin.samples) bin.reasons.add(Reason::up_down_differ);
+    profile_.problems.push_back({Kind::doubtful,
+                                 fmt::format("ascent and descent differ by more than their uncertainties (chi-square {:.0f} "
+                                             "for {} degrees of freedom)", chi2_, dof_),
+                                 {}, "compare the up and down legs before you use `all`; a slower descent differs less"});
+  }
+
+  const WindSeries& series_;
+  const ProfileSettings& settings_;
+  WindProfile profile_;
+  std::vector<std::optional<double>> heights_;
+  std::vector<Part> parts_;
+  std::array<std::map<int, std::vector<std::size_t>>, 3> members_;
+  int low_ = 1 << 30, high_ = -(1 << 30);
+  double chi2_ = 0;
+  int dof_ = 0;
+};
+
+}  // namespace
+
+ingest::Result<WindProfile> make_profile(const WindSeries& series, const ProfileSettings& settings) {
+  return Profiler(series, settings).run();
+}
+
+}  // namespace quadsonde::profiles
