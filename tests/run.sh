@@ -10,7 +10,7 @@ if [ -z "${QUADSONDE_DATA:-}" ] && [ -d ../shared/data ]; then
 fi
 if [ -n "${QUADSONDE_DATA:-}" ]; then export QUADSONDE_DATA; fi
 
-./setup.sh build test
+bash setup.sh build test
 # Configured every time, which takes a second: a new folder must not go untested.
 if ! said=$(cmake --preset dev 2>&1); then
   echo "$said" >&2

@@ -8,6 +8,7 @@ import sys
 import xml.etree.ElementTree
 
 NEEDS_DATA = re.compile(r"needs QUADSONDE_DATA: \S+")
+REASON = re.compile(r"(?:: Skipped\n|skipped: )(.+)")  # GoogleTest's line, and that of the tests in Python
 
 
 def count(root):
@@ -29,16 +30,15 @@ def count(root):
 
 
 def report(passed, failed, skipped):
-    data = [(name, NEEDS_DATA.search(output)) for name, output in skipped]
     lines = []
-    without_data = [(name, found.group(0)) for name, found in data if found]
+    without_data = [(name, found.group(0)) for name, output in skipped if (found := NEEDS_DATA.search(output))]
     if without_data:
         lines.append(f"{len(without_data)} skipped for missing QUADSONDE_DATA:")
         lines += [f"  {name}: {reason}" for name, reason in without_data]
-    others = [name for name, found in data if not found]
+    others = [(name, REASON.search(output)) for name, output in skipped if not NEEDS_DATA.search(output)]
     if others:
         lines.append(f"{len(others)} skipped for another reason:")
-        lines += [f"  {name}" for name in others]
+        lines += [f"  {name}: {found.group(1) if found else 'no reason given'}" for name, found in others]
     lines.append(f"{passed} passed, {len(failed)} failed, {len(skipped)} skipped")
     return lines
 
