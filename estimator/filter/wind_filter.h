@@ -94,8 +94,10 @@ class WindFilter {
     nu.whitened.x() = nu.value.x() / l11;
     nu.whitened.y() = (nu.value.y() - l21 * nu.whitened.x()) / l22;
     nu.nis = nu.whitened.squaredNorm();
-    nu.log_likelihood = S(-0.5) * nu.nis - std::log(l11 * l22);
-    if (!(nu.nis <= limits_.gate_nis)) return Outcome::rejected;
+    // A rejected sample counts as if it stood at the gate: otherwise rejecting would pay.
+    const bool accepted = nu.nis <= limits_.gate_nis;
+    nu.log_likelihood = S(-0.5) * (accepted ? nu.nis : limits_.gate_nis) - std::log(l11 * l22);
+    if (!accepted) return Outcome::rejected;
     const Eigen::Matrix<S, 8, 2> PH = P_.template leftCols<2>();
     const Eigen::Matrix<S, 8, 2> K = PH * inverse(nu.covariance);
     x_ += K * nu.value;

@@ -137,19 +137,19 @@ class Estimation {
     d.standard_density = density_.standard;
     d.climb_linear = vehicle_.drag.climb_linear;
     d.climb_linear_sd = vehicle_.parameter_sd(ingest::p_climb_linear);
+    d.climb_quadratic = vehicle_.drag.climb_quadratic;
+    d.climb_quadratic_sd = vehicle_.parameter_sd(ingest::p_climb_quadratic);
+    d.velocity_sd = settings_.velocity_sd_m_s;
     series_.mode = settings_.mode;
   }
 
   // -- the two-sided estimate
 
   void run_smoothed() {
+    fit_velocity_noise();
     find_jumps();
     fit_turbulence();
-    if (settings_.estimate_climb_law && vehicle_.parameter_sd(ingest::p_climb_linear) > 0 &&
-        flies_up_and_down(steps_.steps)) {
-      fit_climb_law();
-      fit_turbulence();
-    }
+    if (fit_climb_law()) fit_turbulence();
     if (settings_.jump_test && !jump_test_off_) find_jumps();
     pass_.keep_trace = true;
     ForwardPass forward = run_forward(steps_.steps, pass_);
@@ -197,17 +197,38 @@ class Estimation {
     pass_.model.turbulence_sd = most_likely_turbulence(steps_.steps, pass_);
   }
 
-  void fit_climb_law() {
-    const auto law = most_likely_climb_law(steps_.steps, pass_, vehicle_.drag.climb_linear,
-                                           vehicle_.parameter_sd(ingest::p_climb_linear));
-    vehicle_.drag.climb_linear = pass_.model.drag.climb_linear = law.value;
-    vehicle_.covariance.row(ingest::p_climb_linear).setZero();
-    vehicle_.covariance.col(ingest::p_climb_linear).setZero();
-    vehicle_.covariance(ingest::p_climb_linear, ingest::p_climb_linear) = law.sd * law.sd;
+  /// A velocity made of positions states no noise, and it is not white: where 0.1 m/s does not fit, it is widened.
+  void fit_velocity_noise() {
+    if (flight_.velocity.origin != ingest::VelocityOrigin::differentiated || !flight_.velocity.sd.empty()) return;
+    auto calm = pass_;
+    calm.jump_test = false;
+    const auto pass = run_forward(steps_.steps, calm);
+    if (pass.updates == 0 || pass.nis_sum < 2.3 * static_cast<double>(pass.updates)) return;
+    pass_.velocity_scale = most_likely_velocity_scale(steps_.steps, calm);
+    series_.diagnostics.velocity_sd = settings_.velocity_sd_m_s * std::sqrt(pass_.velocity_scale);
+  }
+
+  /// Ascent and descent see the same wind, so that they tell what the climb does to the drag.
+  bool fit_climb_law() {
+    const auto evidence = climb_evidence(steps_.steps);
+    ClimbLaw prior;
+    prior.value = {vehicle_.drag.climb_linear, vehicle_.drag.climb_quadratic};
+    prior.covariance = vehicle_.covariance.block<2, 2>(ingest::p_climb_linear, ingest::p_climb_linear);
+    const bool known = prior.covariance.determinant() <= 0;
+    if (!settings_.estimate_climb_law || evidence == ClimbEvidence::none || known) return false;
+    const auto law = most_likely_climb_law(steps_.steps, pass_, prior, evidence);
+    pass_.model.drag.climb_linear = vehicle_.drag.climb_linear = law.value.x();
+    pass_.model.drag.climb_quadratic = vehicle_.drag.climb_quadratic = law.value.y();
+    vehicle_.covariance.middleRows<2>(ingest::p_climb_linear).setZero();
+    vehicle_.covariance.middleCols<2>(ingest::p_climb_linear).setZero();
+    vehicle_.covariance.block<2, 2>(ingest::p_climb_linear, ingest::p_climb_linear) = law.covariance;
     auto& d = series_.diagnostics;
-    d.climb_linear = law.value;
-    d.climb_linear_sd = law.sd;
+    d.climb_linear = law.value.x();
+    d.climb_linear_sd = std::sqrt(law.covariance(0, 0));
+    d.climb_quadratic = law.value.y();
+    d.climb_quadratic_sd = std::sqrt(law.covariance(1, 1));
     d.climb_estimated = true;
+    return true;
   }
 
   // -- the causal estimate

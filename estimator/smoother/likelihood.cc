@@ -55,43 +55,91 @@ double most_likely_turbulence(const std::vector<Step>& steps, PassSettings setti
   return std::exp(maximise(likelihood, std::log(0.03), std::log(4.0), 5, 4));
 }
 
-ClimbLawEstimate most_likely_climb_law(const std::vector<Step>& steps, PassSettings settings, double prior,
-                                       double prior_sd) {
+double most_likely_velocity_scale(const std::vector<Step>& steps, PassSettings settings) {
   settings.keep_trace = false;
-  const auto posterior = [&](double alpha) {
-    settings.model.drag.climb_linear = alpha;
-    const double off = (alpha - prior) / prior_sd;
-    return run_forward(steps, settings).log_likelihood - 0.5 * off * off;
+  const auto likelihood = [&](double ln_scale) {
+    settings.velocity_scale = std::exp(ln_scale);
+    return run_forward(steps, settings).log_likelihood;
   };
-  double at = prior, width = prior_sd;
-  double curvature = -1 / (prior_sd * prior_sd);
-  for (int i = 0; i < 3; ++i) {
-    const double middle = posterior(at), low = posterior(at - width), high = posterior(at + width);
-    const double slope = (high - low) / (2 * width);
-    const double bend = (high - 2 * middle + low) / (width * width);
-    if (!(bend < 0)) break;
-    curvature = bend;
-    const double move = std::clamp(-slope / bend, -3 * prior_sd, 3 * prior_sd);
-    at += move;
-    width = std::max(1 / std::sqrt(-bend), prior_sd / 20);
-    if (std::abs(move) < 0.1 / std::sqrt(-bend)) break;
-  }
-  return {at, 1 / std::sqrt(-curvature)};
+  return std::exp(maximise(likelihood, 0, std::log(100.0), 5, 3));
 }
 
-bool flies_up_and_down(const std::vector<Step>& steps) {
-  double height = 0, up = 0, down = 0;
+ClimbLaw most_likely_climb_law(const std::vector<Step>& steps, PassSettings settings, const ClimbLaw& prior,
+                               ClimbEvidence evidence) {
+  if (evidence == ClimbEvidence::none) return prior;
+  settings.keep_trace = false;
+  const Eigen::Matrix2d prior_information = prior.covariance.inverse();
+  const bool both = evidence == ClimbEvidence::with_pauses;
+  const auto posterior = [&](const Eigen::Vector2d& law) {
+    settings.model.drag.climb_linear = law.x();
+    settings.model.drag.climb_quadratic = law.y();
+    const Eigen::Vector2d off = law - prior.value;
+    return run_forward(steps, settings).log_likelihood - 0.5 * off.dot(prior_information * off);
+  };
+  ClimbLaw law = prior;
+  Eigen::Vector2d width = 0.5 * prior.covariance.diagonal().cwiseSqrt();
+  const Eigen::Vector2d prior_sd = prior.covariance.diagonal().cwiseSqrt();
+  Eigen::Matrix2d information = prior_information;
+  for (int round = 0; round < 4; ++round) {
+    // Newton on central differences; without pauses g2 stays where it is.
+    const double middle = posterior(law.value);
+    Eigen::Vector2d slope = Eigen::Vector2d::Zero();
+    Eigen::Matrix2d bend = -prior_information;
+    const auto at = [&](double x, double y) {
+      return posterior(law.value + Eigen::Vector2d(x * width.x(), y * width.y()));
+    };
+    const double right = at(1, 0), left = at(-1, 0);
+    slope.x() = (right - left) / (2 * width.x());
+    bend(0, 0) = (right - 2 * middle + left) / (width.x() * width.x());
+    if (both) {
+      const double above = at(0, 1), below = at(0, -1);
+      slope.y() = (above - below) / (2 * width.y());
+      bend(1, 1) = (above - 2 * middle + below) / (width.y() * width.y());
+      bend(0, 1) = bend(1, 0) = (at(1, 1) - right - above + middle) / (width.x() * width.y());
+    }
+    if (!(bend(0, 0) < 0) || !(bend.determinant() > 0)) break;
+    information = -bend;
+    Eigen::Vector2d move = information.ldlt().solve(slope);
+    if (!both) move = {slope.x() / information(0, 0), 0};
+    move = move.cwiseMax(-2 * prior_sd).cwiseMin(2 * prior_sd);
+    law.value += move;
+    const Eigen::Vector2d sd = information.inverse().diagonal().cwiseSqrt();
+    width = (0.7 * sd).cwiseMax(0.05 * prior_sd).cwiseMin(0.5 * prior_sd);
+    if ((move.cwiseAbs() - 0.1 * sd).maxCoeff() < 0) break;
+  }
+  // Formal sds on recorded flights are too small; no single flight is trusted to better than this.
+  const Eigen::Vector2d least_sd(0.01, 0.005);
+  law.covariance = information.inverse();
+  law.covariance.diagonal() = law.covariance.diagonal().cwiseMax(least_sd.cwiseAbs2());
+  return law;
+}
+
+ClimbEvidence climb_evidence(const std::vector<Step>& steps) {
+  double height = 0, up = 0, down = 0, total = 0, paused = 0, pause = 0;
   double up_low = 1e9, up_high = -1e9, down_low = 1e9, down_high = -1e9;
+  int pauses = 0;
+  bool moved = false;
   for (const auto& step : steps) {
     if (!step.sound) continue;
-    const double climb = -step.input.v_down;
-    height += climb * step.input.step;
-    if (climb > 0.3) up += step.input.step, up_low = std::min(up_low, height), up_high = std::max(up_high, height);
-    if (climb < -0.3)
-      down += step.input.step, down_low = std::min(down_low, height), down_high = std::max(down_high, height);
+    const double climb = -step.input.v_down, h = step.input.step;
+    height += climb * h;
+    total += h;
+    if (climb > 0.3) up += h, up_low = std::min(up_low, height), up_high = std::max(up_high, height);
+    if (climb < -0.3) down += h, down_low = std::min(down_low, height), down_high = std::max(down_high, height);
+    if (std::abs(climb) < 0.3) {
+      pause += moved ? h : 0;
+    } else {
+      // A stop counts once vertical flight goes on behind it.
+      if (pause >= 1.5) ++pauses, paused += pause;
+      pause = 0;
+      moved = true;
+    }
   }
   const double common = std::min(up_high, down_high) - std::max(up_low, down_low);
-  return up >= 5 && down >= 5 && common >= 10;
+  // A survey at one height that takes off and lands is no pair of legs: its likelihood would read alpha from the noise.
+  const double least = std::max(5.0, 0.1 * total);
+  if (up < least || down < least || common < 10) return ClimbEvidence::none;
+  return pauses >= 2 && paused >= 0.05 * total ? ClimbEvidence::with_pauses : ClimbEvidence::both_legs;
 }
 
 }  // namespace quadsonde::estimator

@@ -102,15 +102,15 @@ class Runner {
     pending_jump_ = {};
     filter_.predict(step.input, jump);
     close_previous(filter_.transition());
-    out_.outcome[k] = filter_.update(step.v, step.variance);
+    out_.outcome[k] = filter_.update(step.v, settings_.velocity_scale * step.variance);
     out_.active[k] = true;
+    out_.log_likelihood += filter_.innovation().log_likelihood;
     watch_for_jump(k);
     if (out_.outcome[k] == Outcome::rejected) {
       ++out_.rejected;
       return;
     }
     last_update_ = step.seconds;
-    out_.log_likelihood += filter_.innovation().log_likelihood;
     out_.nis_sum += filter_.innovation().nis;
     ++out_.updates;
     if (settings_.keep_trace) out_.whitened[k] = filter_.innovation().whitened;

@@ -44,6 +44,7 @@ struct PassSettings {
   FilterLimits<double> limits;
   Eigen::Vector2d trim = Eigen::Vector2d::Zero();               ///< prior mean of b [m/s2]
   Eigen::Matrix2d trim_covariance = Eigen::Matrix2d::Identity();
+  double velocity_scale = 1;        ///< of the steps' variances
   bool jump_test = true;
   std::vector<std::size_t> jumps;   ///< steps before which W is opened (found by an earlier pass)
   double restart_after = 2;         ///< of rejects [s]

@@ -117,7 +117,9 @@ struct FlightDiagnostics {
   std::optional<double> crosstalk_heading;   ///< [m/s]
   std::optional<double> crosstalk_velocity, crosstalk_velocity_sd;
   double climb_linear = 0, climb_linear_sd = 0;  ///< alpha as used [s/m]
+  double climb_quadratic = 0, climb_quadratic_sd = 0;  ///< g2 as used [s2/m2]
   bool climb_estimated = false;
+  double velocity_sd = 0;         ///< noise of the velocity where the log states none [m/s]
   double max_tilt_deg = 0, max_airspeed = 0;
   bool standard_density = true;
   double air_density = 0;
