@@ -14,11 +14,11 @@ using Gain = StateMatrix<double>;
 /// P+ Phi' (P-)^-1; with a frozen trim the last two states are constants and take no part.
 Gain smoother_gain(const StateMatrix<double>& P, const Transition<double>& t, const StateMatrix<double>& P_minus,
                    bool trim_is_state) {
-  if (trim_is_state) return P_minus.ldlt().solve(t.Phi * P).transpose();
+  if (trim_is_state) return P_minus.llt().solve(t.Phi * P).transpose();
   Gain gain = Gain::Zero();
   const Eigen::Matrix<double, 6, 6> moving = P_minus.topLeftCorner<6, 6>();
   const Eigen::Matrix<double, 6, 6> forward = (t.Phi * P).topLeftCorner<6, 6>();
-  gain.topLeftCorner<6, 6>() = moving.ldlt().solve(forward).transpose();
+  gain.topLeftCorner<6, 6>() = moving.llt().solve(forward).transpose();
   gain.bottomRightCorner<2, 2>().setIdentity();
   return gain;
 }
