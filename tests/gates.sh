@@ -1,0 +1,9 @@
+#!/bin/bash
+# The accuracy gates with all their seeds, each value beside its limit and beside the classic filter's.
+# The reduced form runs with the other tests.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+bash setup.sh build test
+cmake --preset dev > /dev/null
+cmake --build --preset dev --target gates -- -j"$(nproc)" > /dev/null
+exec build/dev/tests/gates/gates "$@"
