@@ -132,18 +132,28 @@ class Profiler {
         const std::vector<std::size_t> none;
         const auto& members = found == members_[static_cast<int>(part)].end() ? none : found->second;
         const BinMean mean = bin_mean(series_, members);
-        if (climbs && part == Part::up) up.bins.push_back(row(b, mean, members));
-        if (climbs && part == Part::down) down.bins.push_back(row(b, mean, members));
+        if (climbs && part == Part::up) add(up, row(b, mean, members), members);
+        if (climbs && part == Part::down) add(down, row(b, mean, members), members);
         if (mean.samples) means.push_back(mean);
         together.insert(together.end(), members.begin(), members.end());
       }
       if (climbs) test_difference(up.bins.back(), down.bins.back());
       std::sort(together.begin(), together.end());
-      all.bins.push_back(row(b, combined(means, d.sigma_u), together));
+      add(all, row(b, combined(means, d.sigma_u), together), together);
     }
     if (climbs) profile_.legs = {up, down};
     profile_.legs.push_back(all);
     close_test();
+  }
+
+  /// @param members  in the order of time
+  void add(Leg& leg, Bin bin, const std::vector<std::size_t>& members) const {
+    leg.bins.push_back(std::move(bin));
+    if (members.empty()) return;
+    const auto &first = series_.points[members.front()].utc, &last = series_.points[members.back()].utc;
+    if (!first || !last) return;
+    leg.utc_from = leg.utc_from ? std::min(*leg.utc_from, *first) : *first;
+    leg.utc_to = leg.utc_to ? std::max(*leg.utc_to, *last) : *last;
   }
 
   /// Covariance-weighted mean of the parts of a bin; doubtful parts only where no other is.

@@ -40,6 +40,7 @@ struct Bin {
 struct Leg {
   LegName name = LegName::all;
   std::vector<Bin> bins;  ///< from the lowest to the highest bin touched by any leg, the same for every leg
+  std::optional<ingest::UtcTime> utc_from = std::nullopt, utc_to = std::nullopt;  ///< of its first and last sample
 };
 
 /// Up against down at equal heights.

@@ -122,12 +122,12 @@ Flight cut(const Flight& flight, LogTime from, LogTime to) {
   for_each_stream(part, [&](auto& stream, const char*) {
     const auto begin = stream.time.begin();
     const auto first = static_cast<std::size_t>(std::lower_bound(begin, stream.time.end(), from) - begin);
-    const auto last = static_cast<std::size_t>(std::upper_bound(begin, stream.time.end(), to) - begin);
+    const auto last = std::max(first, static_cast<std::size_t>(std::upper_bound(begin, stream.time.end(), to) - begin));
     if constexpr (requires { stream.sd; })
       if (!stream.sd.empty())
         stream.sd = std::vector<double>(stream.sd.begin() + static_cast<std::ptrdiff_t>(first),
                                         stream.sd.begin() + static_cast<std::ptrdiff_t>(last));
-    cut_stream(stream, first, std::max(first, last));
+    cut_stream(stream, first, last);
   });
   return part;
 }

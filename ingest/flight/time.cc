@@ -63,6 +63,7 @@ std::optional<int> take_zone_s(std::string_view& text) {
   if (!take_char(text, "+-") || !take_number(text, 2, hours)) return std::nullopt;
   take_char(text, ":");
   if (!text.empty() && !take_number(text, 2, minutes)) return std::nullopt;
+  if (hours > 23 || minutes > 59) return std::nullopt;
   return sign * (hours * 3600 + minutes * 60);
 }
 }  // namespace
@@ -81,7 +82,7 @@ std::optional<UtcTime> parse_iso8601(std::string_view text) {
   if (take_char(text, "T ")) {
     if (!take_number(text, 2, h) || !take_char(text, ":") || !take_number(text, 2, mi)) return std::nullopt;
     if (take_char(text, ":") && !take_number(text, 2, s)) return std::nullopt;
-    if (h > 24 || mi > 59 || s > 60) return std::nullopt;
+    if (h > 24 || mi > 59 || s > 60 || (h == 24 && (mi > 0 || s > 0))) return std::nullopt;
     if (take_char(text, ".,")) fraction = take_fraction_ns(text);
     take_char(text, " ");
   }

@@ -4,9 +4,9 @@
 #include <fstream>
 #include <iterator>
 #include <numbers>
-#include <sstream>
 
 #include "ingest/motion/toml_fields.h"
+#include "ingest/motion/vehicle_tables.h"
 
 namespace quadsonde::ingest {
 namespace {
@@ -104,7 +104,7 @@ PathLeg read_leg(TomlFields& f) {
   f.set("radius_m", leg.radius, 0.5, 10000);
   f.set("pause_every_m", leg.pause_every, 0, 10000);
   f.set("pause_s", leg.pause, 0, 3600);
-  if (const auto* node = f.find("back_and_forth")) leg.back_and_forth = node->value_or(false);
+  f.set("back_and_forth", leg.back_and_forth);
   leg.heading = read_heading(f);
   const bool climbs = leg.kind == Kind::climb;
   if (climbs && leg.speed < 0.01) f.complain("speed_m_s", "a climb needs a speed of at least 0.01 m/s");
@@ -125,7 +125,7 @@ void read_sensors(TomlFields f, SensorModel& s) {
   f.set("height_sd_m", s.height_sd, 0, 50);
   f.set("position_sd_m", s.position_sd, 0, 50);
   f.set("latency_s", s.latency, 0, 5);
-  if (const auto* node = f.find("controller_flies_on_measured")) s.controller_flies_on_measured = node->value_or(false);
+  f.set("controller_flies_on_measured", s.controller_flies_on_measured);
   f.leftover();
 }
 
@@ -143,19 +143,12 @@ void read_site(TomlFields f, Site& site) {
 }
 
 /// [vehicle] with [drag] and so on as in a vehicle file, or vehicle = "path to one", or nothing.
-Result<Vehicle> read_scenario_vehicle(TomlFields& root, const toml::table& table, const std::filesystem::path& file) {
+Result<Vehicle> read_scenario_vehicle(TomlFields& root, const std::filesystem::path& file) {
   if (const auto* node = root.find("vehicle"); node && node->is_string())
     return read_vehicle(file.parent_path() / node->value_or(std::string()));
-  toml::table part;
-  for (const auto key : {"vehicle", "drag", "noise", "provenance"})
-    if (const auto* node = root.find(key)) {
-      (void)node;
-      part.insert(key, *table.get(key));
-    }
-  if (part.empty()) return published_vehicle();
-  std::ostringstream text;
-  text << part;
-  return parse_vehicle(text.str(), file.string());
+  bool described = false;
+  for (const auto key : {"vehicle", "drag", "noise", "provenance"}) described = root.has(key) || described;
+  return described ? vehicle_from_tables(root) : published_vehicle();
 }
 
 }  // namespace
@@ -169,14 +162,15 @@ Result<Scenario> parse_scenario(std::string_view text, const std::filesystem::pa
   Scenario scenario;
   scenario.name = file.stem().string();
   root.set("name", scenario.name);
-  auto vehicle = read_scenario_vehicle(root, *table, file);
+  auto vehicle = read_scenario_vehicle(root, file);
   if (!vehicle) return fail(vehicle.error());
+  if (problem) return fail(*problem);
   scenario.vehicle = *vehicle;
   read_site(root.table("site"), scenario.site);
   read_wind(root.table("wind"), scenario.wind);
   read_sensors(root.table("sensors"), scenario.sensors);
   root.set("start_height_m", scenario.start_height, 0, 20000);
-  if (const auto* node = root.find("from_ground")) scenario.from_ground = node->value_or(false);
+  root.set("from_ground", scenario.from_ground);
   for (auto& leg : root.tables("path")) scenario.path.push_back(read_leg(leg));
   if (const auto seed = root.number("seed", 0, 9e15)) scenario.seed = static_cast<std::uint64_t>(*seed);
   root.leftover();

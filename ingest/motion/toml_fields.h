@@ -43,6 +43,14 @@ class TomlFields {
   void set(std::string_view key, std::string& into) {
     if (auto value = text(key)) into = std::move(*value);
   }
+  void set(std::string_view key, bool& into) {
+    const auto* node = find(key);
+    if (!node) return;
+    if (const auto* value = node->as_boolean())
+      into = value->get();
+    else
+      complain(key, "expected true or false", node);
+  }
   /// Numbers of an array; nothing if the key is absent; a complaint if it is not one of `count` (0 = any) numbers.
   std::optional<std::vector<double>> numbers(std::string_view key, std::size_t count = 0) {
     const auto* node = find(key);
@@ -72,10 +80,13 @@ class TomlFields {
     if (!node) return all;
     const auto* array = node->as_array();
     if (!array) complain(key, fmt::format("expected [[{}]] tables", key), node);
-    if (array)
-      for (const auto& element : *array)
-        if (const auto* part = element.as_table())
-          all.emplace_back(*part, fmt::format("{}[{}].", std::string(key), all.size()), file_, problem_);
+    if (!array) return all;
+    for (const auto& element : *array) {
+      if (const auto* part = element.as_table())
+        all.emplace_back(*part, fmt::format("{}{}[{}].", path_, std::string(key), all.size()), file_, problem_);
+      else
+        complain(key, "expected a table", &element);
+    }
     return all;
   }
   const toml::node* find(std::string_view key) {

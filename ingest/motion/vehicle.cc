@@ -2,12 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <iterator>
 
 #include "ingest/motion/toml_fields.h"
+#include "ingest/motion/vehicle_tables.h"
 
 namespace quadsonde::ingest {
 namespace {
@@ -27,6 +29,18 @@ void read_identity(TomlFields fields, Vehicle& vehicle) {
   fields.leftover();
 }
 
+/// No combination of the parameters has a negative variance, rounding aside.
+bool nonnegative(const DragCovariance& C) {
+  DragCovariance correlation;
+  for (int i = 0; i < 7; ++i)
+    for (int j = 0; j < 7; ++j) {
+      const double scale = std::sqrt(C(i, i) * C(j, j));
+      if (scale == 0 && C(i, j) != 0) return false;
+      correlation(i, j) = scale > 0 ? C(i, j) / scale : 0;
+    }
+  return Eigen::SelfAdjointEigenSolver<DragCovariance>(correlation).eigenvalues().minCoeff() > -1e-9;
+}
+
 void read_covariance(TomlFields& fields, DragCovariance& covariance) {
   const auto* node = fields.find("covariance");
   if (!node) return;
@@ -43,8 +57,10 @@ void read_covariance(TomlFields& fields, DragCovariance& covariance) {
     }
   }
   const bool symmetric = sound && (read - read.transpose()).norm() <= 1e-9 * (1e-12 + read.norm());
-  if (!symmetric || (read.diagonal().array() < 0).any()) {
-    fields.complain("covariance", "expected a symmetric 7 by 7 matrix of the seven drag parameters, in their order", node);
+  if (!symmetric || (read.diagonal().array() < 0).any() || !nonnegative(read)) {
+    fields.complain("covariance",
+                    "expected a symmetric, positive semidefinite 7 by 7 matrix of the seven drag parameters, in their order",
+                    node);
     return;
   }
   covariance = read;
@@ -166,13 +182,9 @@ Result<Vehicle> class_prior(std::string_view name) {
   return fail(Kind::usage, fmt::format("no class of vehicles is called '{}'", name), {}, "known classes: generic");
 }
 
-Result<Vehicle> parse_vehicle(std::string_view text, const std::string& file_name) {
-  const auto table = parse_toml(text, file_name);
-  if (!table) return fail(table.error());
-  std::optional<Problem> problem;
+Vehicle vehicle_from_tables(TomlFields& root) {
   Vehicle vehicle;
   vehicle.method = "given";
-  TomlFields root(*table, "", file_name, problem);
   read_identity(root.table("vehicle"), vehicle);
   read_drag(root.table("drag"), vehicle);
   auto noise = root.table("noise");
@@ -180,6 +192,15 @@ Result<Vehicle> parse_vehicle(std::string_view text, const std::string& file_nam
   noise.set("tilt_correlation_s", vehicle.tilt_correlation_s, 0, 60);
   noise.leftover();
   read_provenance(root.table("provenance"), vehicle);
+  return vehicle;
+}
+
+Result<Vehicle> parse_vehicle(std::string_view text, const std::string& file_name) {
+  const auto table = parse_toml(text, file_name);
+  if (!table) return fail(table.error());
+  std::optional<Problem> problem;
+  TomlFields root(*table, "", file_name, problem);
+  const Vehicle vehicle = vehicle_from_tables(root);
   root.leftover();
   if (problem) return fail(*problem);
   return vehicle;

@@ -19,7 +19,7 @@ READERS = [f"ingest/{name}" for name in ("mcap", "ulog", "dataflash", "mavlink",
 ESTIMATOR = ["estimator/filter", "estimator/smoother"]
 CALIBRATION = "estimator/calibration"
 SHARED_BY_PRODUCTS = "export/."
-PRODUCTS = [f"export/{name}" for name in ("cf_netcdf", "uasdc", "bufr", "mcap", "csv", "geojson", "report", "archive")]
+PRODUCTS = [f"export/{name}" for name in ("geoid", "cf_netcdf", "uasdc", "bufr", "mcap", "csv", "geojson", "report", "archive")]
 BEHIND_PRODUCTS = [FLIGHT, MOTION, REFERENCE, *ESTIMATOR, "profiles", SHARED_BY_PRODUCTS]
 
 ROWS = {
@@ -36,6 +36,7 @@ ROWS = {
     SHARED_BY_PRODUCTS: [FLIGHT],
     # A product may be made of others (a report of a picture), but none knows how the numbers were made.
     **{product: [*BEHIND_PRODUCTS, *PRODUCTS] for product in PRODUCTS},
+    "export/geoid": [FLIGHT],
     "export/mcap": [*BEHIND_PRODUCTS, *PRODUCTS, "ingest/mcap"],
     "export/pipeline": ["ingest", "estimator", "profiles", "export"],
     "cli": ["ingest", "estimator", "profiles", "export"],
@@ -50,7 +51,7 @@ HOMES = [  # (name, its headers, the folders where it may be included)
     ("Ceres", r"(ceres|glog)/", ["estimator/smoother", CALIBRATION]),
     ("netCDF", r"netcdf", ["export/cf_netcdf", REFERENCE]),
     ("ecCodes", r"eccodes", ["export/bufr", REFERENCE]),
-    ("GeographicLib", r"GeographicLib/", ["ingest"]),
+    ("GeographicLib", r"GeographicLib/", ["ingest", "export/geoid"]),
     ("protobuf", r"google/protobuf/", ["ingest/mcap", "export/mcap"]),
     ("toml++", r"toml\+\+|toml\.hpp", [f for f in [*ROWS, *TOP] if f != FLIGHT and f not in ("ingest", *ON_BOARD)]),
     ("CLI11", r"CLI/", ["cli"]),
