@@ -24,21 +24,36 @@ constexpr double degree = std::numbers::pi / 180;
 // Of the prior: how far a quadratic term can be where runs do not tell.
 constexpr double class_quadratic_sd = 0.004;
 
-/// By a sensor made for it, else the standard atmosphere at the log's height.
-double density_of(const TunnelRun& run, std::vector<Problem>& notes) {
-  if (run.air_density) return *run.air_density;
+/// By a sensor made for it; empty if there is none.
+std::optional<double> measured_density(const ingest::Flight& flight) {
   std::optional<double> pressure;
-  for (const auto& b : run.flight.barometer.value)
+  for (const auto& b : flight.barometer.value)
     if (b.pressure_pa && !pressure) pressure = b.pressure_pa;
-  for (const auto& air : run.flight.air.value) {
+  for (const auto& air : flight.air.value) {
     const auto p = air.pressure_pa ? air.pressure_pa : pressure;
-    if (air.temperature_k && p) return ingest::air_density(*p, *air.temperature_k, air.relative_humidity_pct.value_or(50));
+    if (air.temperature_k && p)
+      return ingest::air_density(*p, *air.temperature_k, air.relative_humidity_pct.value_or(50));
   }
-  const double height = run.flight.height_msl.empty() ? 0 : run.flight.height_msl.value[run.flight.height_msl.size() / 2].m;
+  return std::nullopt;
+}
+
+/// As stated, as measured, else of the standard atmosphere at the log's height, which is counted.
+double density_of(const TunnelRun& run, int& assumed) {
+  if (run.air_density) return *run.air_density;
+  if (const auto measured = measured_density(run.flight)) return *measured;
+  ++assumed;
+  const auto& heights = run.flight.height_msl;
+  return ingest::standard_air_density(heights.empty() ? 0 : heights.value[heights.size() / 2].m);
+}
+
+void note_assumed_density(int assumed, std::size_t runs, std::vector<Problem>& notes) {
+  if (!assumed) return;
   notes.push_back({Kind::doubtful,
-                   fmt::format("the air density is not known and taken from the standard atmosphere at {:.0f} m; 20 degrees of temperature are 3 % of drag", height),
-                   {run.name, {}, {}, {}}, "give air_density_kg_m3 of the run"});
-  return ingest::standard_air_density(height);
+                   fmt::format("the air density of {} of {} runs is not known and taken from the standard atmosphere: "
+                               "20 degrees of temperature are 3 % of drag",
+                               assumed, runs),
+                   {},
+                   "give air_density_kg_m3 of each run"});
 }
 
 double stated_sd(const TunnelRun& run, const TunnelSettings& settings) {
@@ -51,7 +66,8 @@ double from_degrees(double chi) {
 }
 
 /// What one run shows by itself.
-ingest::Result<TunnelRunFit> fit_run(const TunnelRun& run, const TunnelSettings& settings, std::vector<Problem>& notes) {
+ingest::Result<TunnelRunFit> fit_run(const TunnelRun& run, const TunnelSettings& settings, int& assumed_densities,
+                                     std::vector<Problem>& notes) {
   auto steady = steady_samples(run, settings);
   if (auto wrong = check_steadiness(run, steady.samples.size(), steady.seen, steady.median_speed)) return fail(*wrong);
   TunnelRunFit out;
@@ -75,10 +91,11 @@ ingest::Result<TunnelRunFit> fit_run(const TunnelRun& run, const TunnelSettings&
   out.noise = fit.noise, out.inflation = fit.inflation;
   if (!is_calm(run.wind_speed)) {
     out.drag = standard_gravity * out.amplitude / run.wind_speed;
-    out.drag_sd = *out.drag * std::hypot(out.wind_speed_sd / run.wind_speed, out.amplitude_sd / std::max(1e-6, out.amplitude));
+    out.drag_sd =
+        *out.drag * std::hypot(out.wind_speed_sd / run.wind_speed, out.amplitude_sd / std::max(1e-6, out.amplitude));
   }
   if (auto wrong = check_sinusoids(out, fit, settings, notes)) return fail(*wrong);
-  out.air_density = density_of(run, notes);
+  out.air_density = density_of(run, assumed_densities);
   return out;
 }
 
@@ -86,9 +103,10 @@ ingest::Result<TunnelRunFit> fit_run(const TunnelRun& run, const TunnelSettings&
 std::vector<ProblemRun> problem_runs(const std::vector<TunnelRunFit>& runs, double density, double density_exponent) {
   std::vector<ProblemRun> all;
   for (const auto& run : runs) {
-    const auto unit = ingest::scaled(ingest::DragLaw<double>{1, 1, 0, 0}, run.air_density / density, 1.0, density_exponent);
-    all.push_back({&run.samples, run.wind_speed, run.wind_speed_sd, run.wind_from_deg * degree, run.noise, run.inflation,
-                   unit.linear, unit.quadratic});
+    const auto unit =
+        ingest::scaled(ingest::DragLaw<double>{1, 1, 0, 0}, run.air_density / density, 1.0, density_exponent);
+    all.push_back({&run.samples, run.wind_speed, run.wind_speed_sd, run.wind_from_deg * degree, run.noise,
+                   run.inflation, unit.linear, unit.quadratic});
   }
   return all;
 }
@@ -112,20 +130,24 @@ CommonState start_number(const CommonState& first, int k, int count) {
   return start;
 }
 
-CommonFit from_many_starts(const std::vector<ProblemRun>& runs, const TunnelSettings& settings, const CommonState& first,
-                           TunnelCalibration& out) {
+CommonFit from_many_starts(const std::vector<ProblemRun>& runs, const TunnelSettings& settings,
+                           const CommonState& first, TunnelCalibration& out) {
   CommonFit best;
   const int count = std::clamp(settings.starts, 1, 1000);
   for (int k = 0; k < count; ++k) {
     const CommonState start = start_number(first, k, count);
     const auto fit = solve_common(runs, settings.trim, true, start);
-    out.ends.push_back({start.linear, start.quadratic, fit.state.linear, fit.state.quadratic, fit.cost, fit.iterations, fit.converged});
+    out.ends.push_back({start.linear, start.quadratic, fit.state.linear, fit.state.quadratic, fit.cost, fit.iterations,
+                        fit.converged});
     if (k == 0 || fit.cost < best.cost) best = fit, out.best_end = k;
   }
   for (const auto& end : out.ends) out.ends_at_best += end.cost <= best.cost * (1 + 1e-6) + 1e-6;
   if (out.ends_at_best * 2 <= count)
-    out.notes.push_back({Kind::doubtful, fmt::format("only {} of {} starts of the common fit came to the best end", out.ends_at_best, count), {},
-                         "look at the runs' pictures for one that does not fit"});
+    out.notes.push_back(
+        {Kind::doubtful,
+         fmt::format("only {} of {} starts of the common fit came to the best end", out.ends_at_best, count),
+         {},
+         "look at the runs' pictures for one that does not fit"});
   return best;
 }
 
@@ -152,16 +174,19 @@ std::vector<std::vector<std::size_t>> speeds_of(const std::vector<TunnelRunFit>&
 }
 
 /// Mean error of a left-out speed by the law of the others [m/s].
-double left_out_error(const std::vector<TunnelRunFit>& fits, const std::vector<ProblemRun>& runs, const std::vector<std::size_t>& left,
-                      const TunnelSettings& settings, bool quadratic, const CommonState& start) {
+double left_out_error(const std::vector<TunnelRunFit>& fits, const std::vector<ProblemRun>& runs,
+                      const std::vector<std::size_t>& left, const TunnelSettings& settings, bool quadratic,
+                      const CommonState& start) {
   std::vector<ProblemRun> others;
   CommonState state = start;
   state.wind.clear();
   for (std::size_t i = 0; i < runs.size(); ++i)
-    if (std::find(left.begin(), left.end(), i) == left.end()) others.push_back(runs[i]), state.wind.push_back(start.wind[i]);
+    if (std::find(left.begin(), left.end(), i) == left.end())
+      others.push_back(runs[i]), state.wind.push_back(start.wind[i]);
   const auto fit = solve_common(others, settings.trim, quadratic, state);
   double sum = 0;
-  for (const auto i : left) sum += predicted_wind(runs[i], fit.state, standard_gravity * fits[i].amplitude) - fits[i].wind_speed;
+  for (const auto i : left)
+    sum += predicted_wind(runs[i], fit.state, standard_gravity * fits[i].amplitude) - fits[i].wind_speed;
   return sum / static_cast<double>(left.size());
 }
 
@@ -181,7 +206,8 @@ void leave_each_speed_out(const std::vector<ProblemRun>& runs, const TunnelSetti
     const auto& run = out.runs[group.front()];
     TunnelLeftOut left{run.wind_speed, run.wind_speed_sd, {}, {}};
     if (groups.size() >= 2) left.linear_error = left_out_error(out.runs, runs, group, settings, false, linear.state);
-    if (groups.size() >= 3) left.quadratic_error = left_out_error(out.runs, runs, group, settings, true, quadratic.state);
+    if (groups.size() >= 3)
+      left.quadratic_error = left_out_error(out.runs, runs, group, settings, true, quadratic.state);
     if (left.linear_error) with_linear.add(*left.linear_error, run.wind_speed_sd);
     if (left.quadratic_error) with_quadratic.add(*left.quadratic_error, run.wind_speed_sd);
     out.left_out.push_back(left);
@@ -192,27 +218,27 @@ void leave_each_speed_out(const std::vector<ProblemRun>& runs, const TunnelSetti
     out.quadratic = settings.terms == DragTerms::linear_and_quadratic;
     out.why_terms = "as asked for";
   } else if (!out.quadratic_left_out_rms) {
-    out.why_terms = fmt::format("{} wind speed{} cannot judge a quadratic term: three are needed", groups.size(), groups.size() == 1 ? "" : "s");
+    out.why_terms = fmt::format("{} wind speed{} cannot judge a quadratic term: three are needed", groups.size(),
+                                groups.size() == 1 ? "" : "s");
   } else {
     out.quadratic = with_quadratic.weighted < with_linear.weighted;
-    out.why_terms = fmt::format("a speed left out is predicted to {:.2f} stated sds with both terms, {:.2f} with the linear one alone",
-                                std::sqrt(with_quadratic.weighted / with_quadratic.count), std::sqrt(with_linear.weighted / with_linear.count));
+    out.why_terms = fmt::format(
+        "a speed left out is predicted to {:.2f} stated sds with both terms, {:.2f} with the linear one alone",
+        std::sqrt(with_quadratic.weighted / with_quadratic.count), std::sqrt(with_linear.weighted / with_linear.count));
   }
 }
 
-std::string parameter_name(Eigen::Index i, const std::vector<TunnelRunFit>& runs) {
-  static const char* const names[] = {"linear drag", "quadratic drag", "pitch trim", "roll trim", "flow direction"};
-  return i < 5 ? names[i] : "wind of " + runs[static_cast<std::size_t>(i - 5)].name;
-}
-
 /// "linear drag with quadratic drag": the largest parts of the weakest direction.
-std::string weakest_words(const Eigen::VectorXd& direction, const std::vector<TunnelRunFit>& runs) {
-  std::vector<Eigen::Index> order;
-  for (Eigen::Index i = 0; i < direction.size(); ++i) order.push_back(i);
-  std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return std::abs(direction(a)) > std::abs(direction(b)); });
-  std::string words;
-  for (std::size_t k = 0; k < order.size() && k < 3; ++k)
-    if (k == 0 || std::abs(direction(order[k])) > 0.3) words += (words.empty() ? "" : " with ") + parameter_name(order[k], runs);
+std::string weakest_words(const Eigen::VectorXd& direction) {
+  static const char* const names[] = {"linear drag", "quadratic drag", "pitch trim", "roll trim", "flow direction"};
+  std::vector<Eigen::Index> order{0, 1, 2, 3, 4};
+  std::stable_sort(order.begin(), order.end(),
+                   [&](auto a, auto b) { return std::abs(direction(a)) > std::abs(direction(b)); });
+  std::string words = names[order[0]];
+  for (std::size_t k = 1; k < order.size(); ++k)
+    if (std::abs(direction(order[k])) > 0.3)
+      words +=
+          fmt::format("{}{}", direction(order[k]) * direction(order[0]) < 0 ? " against " : " with ", names[order[k]]);
   return words;
 }
 
@@ -221,7 +247,8 @@ using Drag4 = Eigen::Matrix4d;  // linear, quadratic, theta0, phi0
 /// The covariance of what is written, about the truth as linear + quadratic sees it: where the linear law is taken its
 /// distance to the full one is part of the error, and the quadratic term stays as open as the runs leave it, or as the
 /// class allows, whichever is less.
-Drag4 covariance_of_choice(const Eigen::MatrixXd& full, const CommonState& chosen, const CommonState& quadratic_fit, bool quadratic) {
+Drag4 covariance_of_choice(const Eigen::MatrixXd& full, const CommonState& chosen, const CommonState& quadratic_fit,
+                           bool quadratic) {
   Drag4 C = full.topLeftCorner<4, 4>();
   if (quadratic) return C;
   const double prior = class_quadratic_sd * class_quadratic_sd;
@@ -250,7 +277,8 @@ void set_drag(ingest::Vehicle& v, const CommonState& state, const Drag4& C) {
   v.latency_s = prior.latency_s;
   // File order and units: linear, quadratic, climb, climb, latency, roll [deg], pitch [deg].
   const int place[] = {ingest::p_linear, ingest::p_quadratic, ingest::p_trim_pitch, ingest::p_trim_roll};
-  const double unit[] = {1, 1, 1 / degree / (1 + state.trim(0) * state.trim(0)), 1 / degree / (1 + state.trim(1) * state.trim(1))};
+  const double unit[] = {1, 1, 1 / degree / (1 + state.trim(0) * state.trim(0)),
+                         1 / degree / (1 + state.trim(1) * state.trim(1))};
   v.covariance = DragCovariance::Zero();
   for (int i = 0; i < 4; ++i)
     for (int j = 0; j < 4; ++j) v.covariance(place[i], place[j]) = unit[i] * unit[j] * 0.5 * (C(i, j) + C(j, i));
@@ -258,7 +286,8 @@ void set_drag(ingest::Vehicle& v, const CommonState& state, const Drag4& C) {
   ingest::set_climb_prior(v);
 }
 
-void describe_vehicle(const std::vector<TunnelRun>& runs, const TunnelSettings& settings, double density, TunnelCalibration& out) {
+void describe_vehicle(const std::vector<TunnelRun>& runs, const TunnelSettings& settings, double density,
+                      TunnelCalibration& out) {
   auto& v = out.vehicle;
   v.name = v.id = runs.front().flight.vehicle.name;
   v.rotors = runs.front().flight.vehicle.rotors;
@@ -269,7 +298,8 @@ void describe_vehicle(const std::vector<TunnelRun>& runs, const TunnelSettings& 
   double low = 1e9, high = 0, squares = 0, samples = 0;
   for (const auto& run : out.runs) {
     low = std::min(low, std::max(0.0, run.wind_estimate)), high = std::max(high, run.wind_estimate);
-    squares += run.residual_rms * run.residual_rms * static_cast<double>(run.steady), samples += static_cast<double>(run.steady);
+    squares += run.residual_rms * run.residual_rms * static_cast<double>(run.steady),
+        samples += static_cast<double>(run.steady);
   }
   v.airspeed_range_m_s = {low, high};
   v.residual_rms_m_s2 = std::sqrt(squares / samples);
@@ -285,18 +315,21 @@ ingest::Result<void> fit_together(const TunnelSettings& settings, double density
   const auto full = uncertainty_of(runs, settings.trim, quadratic.state);
   out.rank = full.rank, out.parameters = static_cast<int>(full.singular_values.size());
   out.singular_values.assign(full.singular_values.begin(), full.singular_values.end());
-  out.weakest = weakest_words(full.weakest, out.runs);
-  if (!full.covariance) out.quadratic = false, out.why_terms = "the runs do not tell a quadratic term from the linear one";
+  out.weakest = weakest_words(full.weakest);
+  if (!full.covariance)
+    out.quadratic = false, out.why_terms = "the runs do not tell a quadratic term from the linear one";
   const CommonState& state = out.quadratic ? quadratic.state : linear.state;
   Eigen::MatrixXd C = full.covariance ? *full.covariance : Eigen::MatrixXd();
   if (!full.covariance) {
     const auto only_linear = uncertainty_of(runs, settings.trim, linear.state, false);
     if (!only_linear.covariance)
-      return fail(Kind::no_answer, "the runs together do not determine the drag", {}, "add runs with a full turn of the nose in stronger wind");
+      return fail(Kind::no_answer, "the runs together do not determine the drag", {},
+                  "add runs with a full turn of the nose in stronger wind");
     C = *only_linear.covariance;
   }
   if (state.linear + state.quadratic <= 0)
-    return fail(Kind::no_answer, "no drag is left when all runs are fitted together", {}, "look at each run for one that does not belong");
+    return fail(Kind::no_answer, "no drag is left when all runs are fitted together", {},
+                "look at each run for one that does not belong");
   const double widen = out.spread * out.spread;
   double speed = 0;
   for (const auto& run : runs) speed = std::max(speed, run.wind_speed);
@@ -324,12 +357,19 @@ ingest::Result<TunnelCalibration> calibrate_tunnel(const std::vector<TunnelRun>&
   if (auto wrong = check_stated(runs, settings)) return fail(*wrong);
   TunnelCalibration out;
   double density = 0;
+  int assumed = 0;
   for (const auto& run : runs) {
-    auto fit = fit_run(run, settings, out.notes);
+    auto fit = fit_run(run, settings, assumed, out.notes);
     if (!fit) return fail(fit.error());
     density += fit->air_density / static_cast<double>(runs.size());
     out.runs.push_back(std::move(*fit));
   }
+  note_assumed_density(assumed, runs.size(), out.notes);
+  for (auto& run : out.runs)
+    if (run.drag) {
+      const double to_mean = std::pow(density / run.air_density, out.vehicle.density_exponent);
+      *run.drag *= to_mean, *run.drag_sd *= to_mean;
+    }
   if (auto wrong = check_against_each_other(out.runs, out.spread, out.notes)) return fail(*wrong);
   if (auto done = fit_together(settings, density, out); !done) return fail(done.error());
   describe_vehicle(runs, settings, density, out);

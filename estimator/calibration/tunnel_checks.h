@@ -11,12 +11,13 @@ namespace quadsonde::estimator {
 std::optional<ingest::Problem> check_stated(const std::vector<TunnelRun>& runs, const TunnelSettings& settings);
 
 /// A run by itself: streams, steadiness, length.
-std::optional<ingest::Problem> check_steadiness(const TunnelRun& run, std::size_t steady, std::size_t seen, double median_speed);
+std::optional<ingest::Problem> check_steadiness(const TunnelRun& run, std::size_t steady, std::size_t seen,
+                                                double median_speed);
 
 /// Turn of the nose, whether pitch and roll tell of one wind, and the direction they tell.
 /// @param notes  receives what is doubtful without being wrong
-std::optional<ingest::Problem> check_sinusoids(const TunnelRunFit& run, const SinusoidFit& fit, const TunnelSettings& settings,
-                                               std::vector<ingest::Problem>& notes);
+std::optional<ingest::Problem> check_sinusoids(const TunnelRunFit& run, const SinusoidFit& fit,
+                                               const TunnelSettings& settings, std::vector<ingest::Problem>& notes);
 
 /// The runs beside each other: whether one linear + quadratic law fits all stated winds.
 /// @return a Problem if one run is far off (with the unit that would explain it)

@@ -89,8 +89,7 @@ double SinusoidFit::along_sd(double chi) const {
 Eigen::Matrix<double, 2, 4> sinusoid_rows(double psi) {
   const double c = std::cos(psi), s = std::sin(psi);
   Eigen::Matrix<double, 2, 4> rows;
-  rows << -c, -s, 1, 0,
-      -s, c, 0, 1;
+  rows << -c, -s, 1, 0, -s, c, 0, 1;
   return rows;
 }
 

@@ -18,9 +18,9 @@ namespace quadsonde::estimator {
 struct SinusoidFit {
   Eigen::Vector4d parameters = Eigen::Vector4d::Zero();  ///< p, q, theta0, phi0
   Eigen::Matrix4d covariance = Eigen::Matrix4d::Zero();  ///< inflated for correlated residuals
-  double noise = 0;       ///< robust sd of one reading (tangent)
-  double rms = 0;         ///< of all residuals (tangent)
-  double inflation = 1;   ///< how many samples in a row are worth one
+  double noise = 0;                                      ///< robust sd of one reading (tangent)
+  double rms = 0;                                        ///< of all residuals (tangent)
+  double inflation = 1;                                  ///< how many samples in a row are worth one
 
   double amplitude() const { return parameters.head<2>().norm(); }
   /// Along a direction [rad]: A if the wind comes from there.

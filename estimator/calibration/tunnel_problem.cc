@@ -14,13 +14,16 @@ namespace {
 
 constexpr double degree = std::numbers::pi / 180;
 constexpr double outlier = 2;  // [sigma] of the Cauchy loss
+// Columns are scaled by prior sds: a direction that the runs tell twenty times worse than the prior is not determined.
+constexpr double least_singular = 0.05;
 
 /// One sample against the sinusoids of tunnel_fit.h.
 struct TiltResidual {
   double heading, pitch, roll, chi, noise, linear_scale, quadratic_scale;
 
   template <class T>
-  bool operator()(const T* linear, const T* quadratic, const T* trim, const T* offset, const T* wind, T* residual) const {
+  bool operator()(const T* linear, const T* quadratic, const T* trim, const T* offset, const T* wind,
+                  T* residual) const {
     using std::abs, std::cos, std::sin;
     const T c = *linear * linear_scale + *quadratic * quadratic_scale * abs(*wind);
     const T amplitude = c * *wind / ingest::standard_gravity;
@@ -59,23 +62,22 @@ TiltResidual residual_of(const ProblemRun& run, const TunnelSample& s) {
 }
 
 /// The problem over a state that it changes; neither may move while it lives.
-void build(ceres::Problem& problem, const std::vector<ProblemRun>& runs, const std::optional<TunnelTrim>& trim, bool quadratic,
-           CommonState& state) {
+void build(ceres::Problem& problem, const std::vector<ProblemRun>& runs, const std::optional<TunnelTrim>& trim,
+           bool quadratic, CommonState& state) {
   for (std::size_t i = 0; i < runs.size(); ++i) {
     const auto& run = runs[i];
     // A run of samples that repeat each other weighs as much as its effective number; its outliers are judged by one.
     auto* loss = new ceres::ScaledLoss(new ceres::CauchyLoss(outlier), 1 / run.inflation, ceres::TAKE_OWNERSHIP);
     for (const auto& s : *run.samples)
-      problem.AddResidualBlock(new TiltCost(new TiltResidual(residual_of(run, s))), loss, &state.linear, &state.quadratic,
-                               state.trim.data(), &state.offset, &state.wind[i]);
+      problem.AddResidualBlock(new TiltCost(new TiltResidual(residual_of(run, s))), loss, &state.linear,
+                               &state.quadratic, state.trim.data(), &state.offset, &state.wind[i]);
     problem.AddResidualBlock(new KnownCost(new Known{run.wind_speed, run.wind_speed_sd}), nullptr, &state.wind[i]);
   }
   if (trim) {
     const Eigen::Vector2d value(std::tan(trim->pitch_deg * degree), std::tan(trim->roll_deg * degree));
-    problem.AddResidualBlock(new KnownPairCost(new KnownPair{value, std::max(trim->sd_deg, 1e-3) * degree}), nullptr, state.trim.data());
+    problem.AddResidualBlock(new KnownPairCost(new KnownPair{value, std::max(trim->sd_deg, 1e-3) * degree}), nullptr,
+                             state.trim.data());
   }
-  problem.SetParameterLowerBound(&state.linear, 0, 0);
-  problem.SetParameterLowerBound(&state.quadratic, 0, 0);
   if (!quadratic) problem.SetParameterBlockConstant(&state.quadratic);
 }
 
@@ -102,7 +104,8 @@ Eigen::VectorXd prior_sds(const std::vector<ProblemRun>& runs) {
   return sds;
 }
 
-std::optional<Eigen::MatrixXd> covariance_of(ceres::Problem& problem, const std::vector<double*>& blocks, Eigen::Index size) {
+std::optional<Eigen::MatrixXd> covariance_of(ceres::Problem& problem, const std::vector<double*>& blocks,
+                                             Eigen::Index size) {
   ceres::Covariance::Options options;
   options.algorithm_type = ceres::DENSE_SVD;
   options.null_space_rank = 0;
@@ -111,19 +114,12 @@ std::optional<Eigen::MatrixXd> covariance_of(ceres::Problem& problem, const std:
   ceres::Covariance covariance(options);
   const std::vector<const double*> parameters(blocks.begin(), blocks.end());
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> full(size, size);
-  if (!covariance.Compute(parameters, &problem) || !covariance.GetCovarianceMatrix(parameters, full.data())) return std::nullopt;
+  if (!covariance.Compute(parameters, &problem) || !covariance.GetCovarianceMatrix(parameters, full.data()))
+    return std::nullopt;
   return Eigen::MatrixXd(full);
 }
 
-}  // namespace
-
-CommonFit solve_common(const std::vector<ProblemRun>& runs, const std::optional<TunnelTrim>& trim, bool quadratic,
-                       const CommonState& start) {
-  CommonFit fit;
-  fit.state = start;
-  if (!quadratic) fit.state.quadratic = 0;
-  ceres::Problem problem;
-  build(problem, runs, trim, quadratic, fit.state);
+void solve(ceres::Problem& problem, CommonFit& fit) {
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_QR;
   options.max_num_iterations = 200;
@@ -135,8 +131,28 @@ CommonFit solve_common(const std::vector<ProblemRun>& runs, const std::optional<
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
   fit.cost = summary.final_cost;
-  fit.iterations = static_cast<int>(summary.iterations.size());
+  fit.iterations += static_cast<int>(summary.iterations.size());
   fit.converged = summary.termination_type == ceres::CONVERGENCE;
+}
+
+}  // namespace
+
+CommonFit solve_common(const std::vector<ProblemRun>& runs, const std::optional<TunnelTrim>& trim, bool quadratic,
+                       const CommonState& start) {
+  CommonFit fit;
+  fit.state = start;
+  if (!quadratic) fit.state.quadratic = 0;
+  ceres::Problem problem;
+  build(problem, runs, trim, quadratic, fit.state);
+  solve(problem, fit);
+  // The bounds as an active set: a coefficient that wants to be negative is held at zero and the rest solved again.
+  // Ceres's own bounds end at the same place, in some hundred steps along the bound.
+  for (double* coefficient : {&fit.state.quadratic, &fit.state.linear}) {
+    if (*coefficient >= 0) continue;
+    *coefficient = 0;
+    problem.SetParameterBlockConstant(coefficient);
+    solve(problem, fit);
+  }
   return fit;
 }
 
@@ -156,13 +172,23 @@ CommonUncertainty uncertainty_of(const std::vector<ProblemRun>& runs, const std:
   const Eigen::VectorXd sds = prior_sds(runs);
   if (whitened.cols() == sds.size()) whitened = whitened * sds.asDiagonal();
   // Singular values by the triangle of a QR step: the same ones, from a matrix of a few columns.
-  const Eigen::MatrixXd triangle = Eigen::HouseholderQR<Eigen::MatrixXd>(whitened).matrixQR().topRows(whitened.cols()).triangularView<Eigen::Upper>();
+  const Eigen::MatrixXd triangle = Eigen::HouseholderQR<Eigen::MatrixXd>(whitened)
+                                       .matrixQR()
+                                       .topRows(whitened.cols())
+                                       .triangularView<Eigen::Upper>();
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(triangle, Eigen::ComputeFullV);
   out.singular_values = svd.singularValues();
-  out.rank = static_cast<int>((out.singular_values.array() > 1e-7 * out.singular_values(0)).count());
-  out.weakest = svd.matrixV().col(whitened.cols() - 1);
+  out.rank = static_cast<int>((out.singular_values.array() > least_singular).count());
+  out.weakest = svd.matrixV().col(whitened.cols() - 1).head<5>();
   const auto free = whitened.cols() - (quadratic ? 0 : 1);
   if (out.rank == free) out.covariance = covariance_of(problem, blocks, static_cast<Eigen::Index>(5 + runs.size()));
+  if (out.covariance && quadratic) {
+    // With the winds marginalised: the widest direction of what remains, against the prior.
+    const Eigen::Matrix<double, 5, 1> scale = sds.head<5>().cwiseInverse();
+    const Eigen::Matrix<double, 5, 5> scaled =
+        scale.asDiagonal() * out.covariance->topLeftCorner<5, 5>() * scale.asDiagonal();
+    out.weakest = Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 5, 5>>(scaled).eigenvectors().col(4);
+  }
   return out;
 }
 

@@ -10,9 +10,9 @@ namespace quadsonde::estimator {
 /// What the common fit needs of a run.
 struct ProblemRun {
   const std::vector<TunnelSample>* samples = nullptr;
-  double wind_speed = 0, wind_speed_sd = 0.1;  ///< stated [m/s]
-  double chi = 0;                              ///< stated direction it comes from [rad]
-  double noise = 0.01, inflation = 1;          ///< of one tilt reading
+  double wind_speed = 0, wind_speed_sd = 0.1;    ///< stated [m/s]
+  double chi = 0;                                ///< stated direction it comes from [rad]
+  double noise = 0.01, inflation = 1;            ///< of one tilt reading
   double linear_scale = 1, quadratic_scale = 1;  ///< of the law by the run's air density
 };
 
@@ -36,12 +36,12 @@ struct CommonFit {
 CommonFit solve_common(const std::vector<ProblemRun>& runs, const std::optional<TunnelTrim>& trim, bool quadratic,
                        const CommonState& start);
 
-/// Whitened Jacobian's singular values and the covariance at a solution. Order: linear, quadratic, theta0, phi0, offset,
-/// then the winds.
+/// Whitened Jacobian's singular values and the covariance at a solution. Order: linear, quadratic, theta0, phi0,
+/// offset, then the winds.
 struct CommonUncertainty {
-  int rank = 0;
-  Eigen::VectorXd singular_values;       ///< columns scaled by prior sds (drag's 0.07 1/s and 0.004 1/m, trims 3 deg, ...)
-  Eigen::VectorXd weakest;               ///< its last right singular vector
+  int rank = 0;                     ///< singular values above 0.05: better than a twentieth of the prior
+  Eigen::VectorXd singular_values;  ///< columns scaled by prior sds (drag's 0.07 1/s and 0.004 1/m, trims 3 deg, ...)
+  Eigen::VectorXd weakest;          ///< of the first five, in prior sds: the direction least known, winds marginalised
   std::optional<Eigen::MatrixXd> covariance;  ///< DENSE_SVD; empty without full rank
 };
 CommonUncertainty uncertainty_of(const std::vector<ProblemRun>& runs, const std::optional<TunnelTrim>& trim,
@@ -50,7 +50,7 @@ CommonUncertainty uncertainty_of(const std::vector<ProblemRun>& runs, const std:
 /// Residuals of one sample, over noise: what Ceres differentiates; here for the check of its derivatives.
 /// @param parameters  linear, quadratic, theta0, phi0, offset, wind
 /// @param jacobian    2 x 6
-Eigen::Vector2d tilt_residual(const ProblemRun& run, const TunnelSample& sample, const Eigen::Matrix<double, 6, 1>& parameters,
-                              Eigen::Matrix<double, 2, 6>* jacobian);
+Eigen::Vector2d tilt_residual(const ProblemRun& run, const TunnelSample& sample,
+                              const Eigen::Matrix<double, 6, 1>& parameters, Eigen::Matrix<double, 2, 6>* jacobian);
 
 }  // namespace quadsonde::estimator

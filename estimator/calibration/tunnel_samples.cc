@@ -12,7 +12,7 @@ namespace {
 
 using ingest::LogTime;
 
-constexpr double block = 0.1;      // [s]
+constexpr double block = 0.1;  // [s]
 constexpr double tilt_limit = std::numbers::pi / 4;
 
 bool inside(const TunnelRun& run, LogTime t) { return !(run.start && t < *run.start) && !(run.end && *run.end < t); }
@@ -64,7 +64,8 @@ struct Block {
     const double psi = ingest::heading(q_NB);
     tilt = std::max(tilt, std::acos(std::clamp(n.z(), -1.0, 1.0)));
     // n in heading axes is (sin theta cos phi, -sin phi, cos theta cos phi): both tangents without an angle.
-    const double ahead = n.x() * std::cos(psi) + n.y() * std::sin(psi), right = n.y() * std::cos(psi) - n.x() * std::sin(psi);
+    const double ahead = n.x() * std::cos(psi) + n.y() * std::sin(psi),
+                 right = n.y() * std::cos(psi) - n.x() * std::sin(psi);
     const double down = std::max(n.z(), 0.17);
     time += t, pitch += ahead / down, roll -= right / down;
     cosine += std::cos(psi), sine += std::sin(psi);
@@ -116,7 +117,8 @@ SteadySamples steady_samples(const TunnelRun& run, const TunnelSettings& setting
     const auto k = static_cast<std::size_t>(at);
     ++out.seen;
     speeds.push_back(motion.speed[k]);
-    if (b.tilt < tilt_limit && motion.speed[k] < settings.steady_speed && motion.acceleration[k] < settings.steady_acceleration)
+    if (b.tilt < tilt_limit && motion.speed[k] < settings.steady_speed &&
+        motion.acceleration[k] < settings.steady_acceleration)
       out.samples.push_back(sample);
   }
   if (speeds.empty()) return out;

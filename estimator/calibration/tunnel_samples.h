@@ -8,8 +8,8 @@ namespace quadsonde::estimator {
 
 struct SteadySamples {
   std::vector<TunnelSample> samples;
-  std::size_t seen = 0;      ///< attitude blocks with a velocity, steady or not
-  double median_speed = 0;   ///< over all of them [m/s]
+  std::size_t seen = 0;     ///< attitude blocks with a velocity, steady or not
+  double median_speed = 0;  ///< over all of them [m/s]
 };
 
 /// Attitude in blocks of 0.1 s where velocity and acceleration (means and slopes over 2 s, or 5 samples if they are

@@ -39,6 +39,10 @@ struct WindModel {
   S tilt_psd = S(0.000733);    ///< q_a of the attitude's noise [m2/s3]
   S vertical_sd = S(0.25), vertical_time = S(5);
   bool trim_is_state = true;   ///< else b stays at its value, and its error is considered
+  /// Where the climb law is searched by likelihood, vertical wind is weighed by this law instead: thousands of
+  /// innovations know the noise level well, and alpha would be bent to fit it (alpha = c / g makes the lever vanish).
+  bool has_noise_law = false;
+  ingest::DragLaw<S> noise_law;
 };
 
 /// Means over one step, attitude read at t - latency.
@@ -180,7 +184,8 @@ Transition<S> propagate(const WindModel<S>& model, const State<S>& x, const Step
   const S q_W = model.wind_time_psd + model.wind_height_psd * std::abs(in.v_down);
   // Vertical wind acts through the rotor plane's slope and through the climb law.
   const S in_law = climb.clipped ? S(0) : S(1);
-  const S lever = c - in_law * in.lift * (model.drag.climb_linear + S(2) * model.drag.climb_quadratic * v_c);
+  const ingest::DragLaw<S>& weighed = model.has_noise_law ? model.noise_law : model.drag;
+  const S lever = c - in_law * in.lift * (weighed.climb_linear + S(2) * weighed.climb_quadratic * v_c);
   const S q_a = model.tilt_psd + S(2) * lever * lever * model.vertical_sd * model.vertical_sd *
                                      in.slope.squaredNorm() * model.vertical_time;
   t.Q = process_noise(model, axes, R_psi, q_a, q_W, h);

@@ -130,6 +130,7 @@ class Estimation {
                                                             -std::tan(vehicle_.trim_roll_deg * degree));
     pass_.trim_covariance = trim_covariance(vehicle_);
     pass_.jump_test = settings_.jump_test;
+    pass_.restart_after = std::max(pass_.restart_after, settings_.max_gap_s);
     auto& d = series_.diagnostics;
     d.heading_index = Y;
     d.trim_estimated = Y >= 0.4;
@@ -263,16 +264,18 @@ class Estimation {
       Eigen::Vector3d n = Eigen::Vector3d::Zero();
       Eigen::Vector2d v = Eigen::Vector2d::Zero();
       std::size_t first = k;
+      double count = 0;
       for (; k < steps.size() && (k == first || steps[k].seconds < end); ++k) {
+        if (!steps[k].sound && steps[k].fault == Reason::no_attitude) continue;
+        ++count;
         const Eigen::Vector2d s = steps[k].input.slope;
         n += Eigen::Vector3d(-s.x(), -s.y(), 1).normalized();
         v += steps[k].v;
       }
-      const double count = static_cast<double>(k - first);
       // A slower log repeats its last values: the filter knows no other rate.
       const double until = k < steps.size() ? steps[k].seconds : steps.back().seconds + constants.step;
       const int repeats = std::clamp(static_cast<int>(std::lround((until - steps[first].seconds) / constants.step)), 1, 20);
-      for (int i = 0; i < repeats; ++i) filter.step(n / count, v / count);
+      for (int i = 0; count > 0 && i < repeats; ++i) filter.step(n / count, v / count);
       for (std::size_t i = first; i < k; ++i) add_classic_point(i, filter.wind());
     }
   }
@@ -337,6 +340,12 @@ class Estimation {
 
   void add_classic_point(std::size_t k, const Eigen::Vector2d& wind) {
     WindPoint point = place_point(k);
+    if (!steps_.steps[k].sound) {
+      point.wind = NoEstimate{steps_.steps[k].fault};
+      point.reasons.add(steps_.steps[k].fault);
+      series_.points.push_back(std::move(point));
+      return;
+    }
     WindEstimate estimate;
     estimate.v_NA_N = wind;
     estimate.has_covariance = false;

@@ -68,6 +68,8 @@ ClimbLaw most_likely_climb_law(const std::vector<Step>& steps, PassSettings sett
                                ClimbEvidence evidence) {
   if (evidence == ClimbEvidence::none) return prior;
   settings.keep_trace = false;
+  settings.model.noise_law = settings.model.drag;
+  settings.model.has_noise_law = true;
   const Eigen::Matrix2d prior_information = prior.covariance.inverse();
   const bool both = evidence == ClimbEvidence::with_pauses;
   const auto posterior = [&](const Eigen::Vector2d& law) {

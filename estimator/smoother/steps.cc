@@ -15,7 +15,9 @@ double median_interval(const std::vector<LogTime>& time) {
   if (time.size() < 2) return 0.1;
   std::vector<double> gaps;
   gaps.reserve(time.size());
-  for (std::size_t i = 1; i < time.size(); ++i) gaps.push_back(ingest::to_seconds(time[i] - time[i - 1]));
+  for (std::size_t i = 1; i < time.size(); ++i)
+    if (time[i] > time[i - 1]) gaps.push_back(ingest::to_seconds(time[i] - time[i - 1]));
+  if (gaps.empty()) return 0.1;
   const auto middle = gaps.begin() + static_cast<std::ptrdiff_t>(gaps.size() / 2);
   std::nth_element(gaps.begin(), middle, gaps.end());
   return std::max(*middle, 1e-4);
@@ -179,7 +181,8 @@ Steps make_steps(const ingest::Flight& flight, const StepSettings& settings) {
     step.time = velocity.time[i];
     step.seconds = ingest::to_seconds(step.time - origin);
     step.v = velocity.value[i].head<2>();
-    const double sd = velocity.sd.empty() ? settings.velocity_sd : std::max(velocity.sd[i], 0.05);
+    const bool stated = !velocity.sd.empty() && std::isfinite(velocity.sd[i]);
+    const double sd = stated ? std::max(velocity.sd[i], 0.05) : settings.velocity_sd;
     step.variance = sd * sd;
     const auto now = down.at(i);
     const double since = out.steps.empty() ? 0 : step.seconds - out.steps.back().seconds;

@@ -62,7 +62,8 @@ std::vector<Segment> airborne_segments(const Flight& flight, const SegmentSettin
   const auto& time = flight.velocity.time;
   if (time.empty()) return segments;
   const auto airborne = airborne_rule(flight, settings);
-  const Duration bridge = seconds(2), gap = seconds(settings.max_gap);
+  // A stop close to the lowest height is no landing unless it lasts: vertical flights turn round there.
+  const Duration bridge = seconds(settings.min_ground_time), gap = seconds(settings.max_gap);
   std::optional<Segment> open;
   LogTime last_in_air;
   const auto close = [&] {

@@ -10,6 +10,7 @@ struct SegmentSettings {
   double min_duration = 10;       ///< shorter hops are not flights [s]
   double height_in_air = 1.0;     ///< above the lowest height around [m]
   double speed_in_air = 1.0;      ///< a ground speed that no parked vehicle shows [m/s]
+  double min_ground_time = 5;     ///< shorter touches of the ground do not end a flight [s]
   double max_gap = 10;            ///< a longer gap in the data ends a flight [s]
 };
 

@@ -119,7 +119,8 @@ UtcTime utc_from_gps(int week, std::int64_t time_of_week_ms) {
   return {(gps_epoch_unix_s * 1000 + gps_ms - leap * 1000LL) * 1'000'000};
 }
 
-void ClockEstimator::add(LogTime log, UtcTime utc) { offsets_.push_back(Duration(utc.ns - log.ns)); }
+// As LogTimes, since their difference is defined for all that a damaged log may hold.
+void ClockEstimator::add(LogTime log, UtcTime utc) { offsets_.push_back(LogTime{utc.ns} - log); }
 
 Clock ClockEstimator::estimate(std::string source) const {
   Clock clock;
@@ -130,7 +131,7 @@ Clock ClockEstimator::estimate(std::string source) const {
   double sum2 = 0;
   std::size_t near = 0;
   for (const auto offset : sorted) {
-    const double off = to_seconds(offset - middle);
+    const double off = to_seconds(LogTime{offset.count()} - LogTime{middle.count()});
     if (std::abs(off) > 1) continue;
     sum2 += off * off;
     ++near;

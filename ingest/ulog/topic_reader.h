@@ -1,0 +1,60 @@
+#pragma once
+// A topic's messages as rows, its fields bound once.
+#include <cmath>
+#include <limits>
+
+#include "ingest/flight/time.h"
+#include "ingest/ulog/container.h"
+
+namespace quadsonde::ingest::ulog {
+
+class TopicReader {
+ public:
+  TopicReader(const Log& log, const Topic& topic) : log_(&log), topic_(&topic), time_(column("timestamp")) {}
+
+  std::optional<Column> column(std::string_view path) const { return find_column(log_->formats, topic_->name, path); }
+  /// The first of several names that the format has (fields were renamed over the years).
+  std::optional<Column> column_of(std::initializer_list<std::string_view> paths) const {
+    for (const auto path : paths)
+      if (const auto found = column(path)) return found;
+    return std::nullopt;
+  }
+
+  std::size_t size() const { return time_ ? topic_->payload_at.size() : 0; }
+  Bytes row(std::size_t i) const { return log_->payload(*topic_, i); }
+  /// Empty when the message was too short for its timestamp.
+  std::optional<LogTime> time(Bytes row) const {
+    const auto us = integer(row, *time_);
+    // Beyond 292 years no clock is meant.
+    if (!us || *us < 0 || *us > std::numeric_limits<std::int64_t>::max() / 1000) return std::nullopt;
+    return LogTime{*us * 1000};
+  }
+  /// "vehicle_gps_position[0]"
+  std::string name() const { return topic_->name + "[" + std::to_string(topic_->multi_id) + "]"; }
+  const Topic& topic() const { return *topic_; }
+
+ private:
+  const Log* log_;
+  const Topic* topic_;
+  std::optional<Column> time_;
+};
+
+/// NaN when the column is not there or not written.
+inline double real(Bytes row, const std::optional<Column>& column) {
+  if (!column) return std::numeric_limits<double>::quiet_NaN();
+  return number(row, *column).value_or(std::numeric_limits<double>::quiet_NaN());
+}
+/// A flag; `absent` when the format does not have it.
+inline bool flag(Bytes row, const std::optional<Column>& column, bool absent) {
+  if (!column) return absent;
+  const auto value = number(row, *column);
+  return value ? *value != 0 : absent;
+}
+
+inline const Topic* find_topic(const Log& log, std::string_view name, int multi_id = 0) {
+  for (const auto& topic : log.topics)
+    if (topic.name == name && topic.multi_id == multi_id) return &topic;
+  return nullptr;
+}
+
+}  // namespace quadsonde::ingest::ulog
