@@ -8,7 +8,7 @@
 namespace quadsonde::ingest {
 
 struct DataflashReadSettings {
-  Reading mode = Reading::tolerant;
+  Reading mode = Reading::tolerant;  ///< the format resynchronises by itself: salvage does what tolerant does
 };
 
 /// True if the head of a file (64 KiB are enough) has a DataFlash format message, perhaps behind some garbage.

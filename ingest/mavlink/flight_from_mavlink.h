@@ -10,7 +10,7 @@
 namespace quadsonde::ingest {
 
 struct MavlinkReadSettings {
-  Reading mode = Reading::tolerant;
+  Reading mode = Reading::tolerant;    ///< the format resynchronises by itself: salvage does what tolerant does
   std::optional<std::uint8_t> system;  ///< take this system id; else the vehicle with the most position messages
 };
 
