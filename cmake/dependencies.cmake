@@ -16,3 +16,6 @@ find_package(SUNDIALS 6.4 REQUIRED CONFIG COMPONENTS cvodes nvecserial sunnonlin
 pkg_check_modules(GEO REQUIRED IMPORTED_TARGET geographiclib)
 pkg_check_modules(LZ4 REQUIRED IMPORTED_TARGET liblz4)
 pkg_check_modules(DEFLATE REQUIRED IMPORTED_TARGET libdeflate)
+pkg_check_modules(NETCDF REQUIRED IMPORTED_TARGET netcdf)
+pkg_check_modules(HDF5 REQUIRED IMPORTED_TARGET hdf5-serial)
+find_file(EGM96_GRID egm96_15.gtx PATHS /usr/share/proj /usr/local/share/proj REQUIRED)

@@ -1,0 +1,28 @@
+#pragma once
+// A profile as its netCDF file holds it: one axis of altitudes, one record per leg in the order of their times.
+#include <optional>
+#include <vector>
+
+#include "export/cf_netcdf/cf_netcdf.h"
+
+namespace quadsonde::product {
+
+struct ProfileRecord {
+  const profiles::Leg* leg = nullptr;
+  ingest::UtcTime from, to;
+  /// Middle of the two [s since 1970].
+  double mid_s() const;
+};
+
+struct ProfileRecords {
+  std::vector<double> altitude, bottom, top;  ///< of the bins above the geoid [m]
+  std::vector<ProfileRecord> records;         ///< at least one
+  ingest::GeoPoint place;                     ///< take-off, else the mean of the bins
+  bool place_is_takeoff = false;
+  std::optional<ingest::MslHeight> takeoff_msl;
+};
+
+/// Fails as profile_netcdf does.
+ingest::Result<ProfileRecords> profile_records(const profiles::WindProfile& profile, const NetcdfMetadata& metadata);
+
+}  // namespace quadsonde::product

@@ -1,0 +1,351 @@
+#include <signal.h>
+#include <sys/resource.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+#include <thread>
+
+#include "export/atomic_file.h"
+#include "export/cf_netcdf/cf_netcdf.h"
+#include "export/cf_netcdf/hdf5_checksum.h"
+#include "export/csv/tables.h"
+#include "export/geoid/geoid.h"
+#include "nc_reader.h"
+#include "profiles/make_profile.h"
+#include "run_python.h"
+#include "tests/export/made_up.h"
+
+namespace quadsonde {
+namespace {
+
+using estimator::Reason;
+using product::NetcdfMetadata;
+using product::profile_netcdf;
+using support::NcReader;
+
+constexpr ingest::UtcTime t0{1'750'000'000'000'000'000};
+
+/// The made-up profile with the times of its legs: up, down 20 s later, all over both.
+profiles::WindProfile flown() {
+  auto profile = support::made_up_profile();
+  const auto set = [&](std::size_t leg, double from, double to) {
+    profile.legs[leg].utc_from = t0 + ingest::seconds(from);
+    profile.legs[leg].utc_to = t0 + ingest::seconds(to);
+  };
+  set(0, 0, 300), set(1, 320, 700.5), set(2, 0, 700.5);
+  return profile;
+}
+profiles::WindProfile merged_only() {
+  auto profile = flown();
+  profile.legs.erase(profile.legs.begin(), profile.legs.begin() + 2);
+  return profile;
+}
+std::string bytes_of(const profiles::WindProfile& profile, const NetcdfMetadata& metadata = {}) {
+  auto bytes = profile_netcdf(profile, support::made_up_source(), metadata);
+  EXPECT_TRUE(bytes) << (bytes ? "" : ingest::to_string(bytes.error()));
+  return bytes.value_or("");
+}
+ingest::Problem problem_of(const profiles::WindProfile& profile, const NetcdfMetadata& metadata = {}) {
+  const auto bytes = profile_netcdf(profile, support::made_up_source(), metadata);
+  EXPECT_FALSE(bytes);
+  return bytes ? ingest::Problem{} : bytes.error();
+}
+void write_both(const support::TemporaryFolder& folder, const profiles::WindProfile& profile) {
+  ASSERT_TRUE(product::write_profile_netcdf(folder / "profile.nc", profile, support::made_up_source()));
+  ASSERT_TRUE(product::write_file(folder / "profile.csv", product::profile_csv(profile)));
+}
+
+TEST(ProfileNetcdf, XarrayNcoAndCdoReadTheNumbersOfTheCsv) {
+  for (const auto& profile : {flown(), merged_only()}) {
+    const support::TemporaryFolder folder;
+    write_both(folder, profile);
+    EXPECT_EQ(support::python(QUADSONDE_READ_BACK, "profile" + support::quoted(folder / "profile.nc") +
+                                                       support::quoted(folder / "profile.csv")),
+              "");
+  }
+}
+
+TEST(ProfileNetcdf, ObeysCfAndAcddAndTheCheckFindsEveryBrokenRule) {
+  const support::TemporaryFolder folder;
+  write_both(folder, flown());
+  EXPECT_EQ(support::python(QUADSONDE_CF_RULES, support::quoted(folder / "profile.nc")), "");
+  EXPECT_EQ(support::python(QUADSONDE_CF_RULES, "--bites" + support::quoted(folder / "profile.nc")), "");
+}
+
+TEST(ProfileNetcdf, HoldsOneRecordForUpAndOneForDown) {
+  const NcReader file(bytes_of(flown()));
+  ASSERT_EQ(file.length("time"), 2u);
+  EXPECT_EQ(file.numbers("leg"), (std::vector<double>{0, 1}));
+  EXPECT_EQ(file.numbers("time_bnds"), (std::vector<double>{1.75e9, 1.75e9 + 300, 1.75e9 + 320, 1.75e9 + 700.5}));
+  EXPECT_EQ(file.numbers("time"), (std::vector<double>{1.75e9 + 150, 1.75e9 + 510.25}));
+}
+
+TEST(ProfileNetcdf, HoldsTheMergedLegWhereThatIsAllThereIs) {
+  const NcReader file(bytes_of(merged_only()));
+  ASSERT_EQ(file.length("time"), 1u);
+  EXPECT_EQ(file.numbers("leg"), std::vector<double>{2});
+}
+
+TEST(ProfileNetcdf, RecordsStandInTheOrderOfTheirTimes) {
+  auto profile = flown();
+  std::swap(profile.legs[0].utc_from, profile.legs[1].utc_from);
+  std::swap(profile.legs[0].utc_to, profile.legs[1].utc_to);
+  const NcReader file(bytes_of(profile));
+  EXPECT_EQ(file.numbers("leg"), (std::vector<double>{1, 0})) << "this flight came down first";
+}
+
+TEST(ProfileNetcdf, ALegWithoutAWindHasNoRecord) {
+  auto profile = flown();
+  for (auto& bin : profile.legs[1].bins) bin.wind = estimator::NoEstimate{Reason::no_samples}, bin.samples = 0;
+  EXPECT_EQ(NcReader(bytes_of(profile)).numbers("leg"), std::vector<double>{0});
+}
+
+TEST(ProfileNetcdf, TheBinsOfAFlightKnowItsFirstAndLastSample) {
+  auto series = support::made_up_series();
+  for (std::size_t i = 0; i < series.points.size(); ++i) series.points[i].v_up = i < 200 ? 11.5 : -11.5;
+  const auto profile = profiles::make_profile(series);
+  ASSERT_TRUE(profile);
+  ASSERT_EQ(profile->legs.size(), 3u);
+  EXPECT_EQ(*profile->legs[0].utc_from, *series.points[10].utc) << "the first that has a wind";
+  EXPECT_EQ(*profile->legs[1].utc_to, *series.points.back().utc);
+  EXPECT_EQ(*profile->legs[2].utc_from, *profile->legs[0].utc_from);
+  EXPECT_EQ(*profile->legs[2].utc_to, *profile->legs[1].utc_to);
+}
+
+TEST(ProfileNetcdf, AnEmptyBinIsMissingAndSaysWhy) {
+  const NcReader file(bytes_of(flown()));
+  const std::size_t empty = 23 + 14;  // of the second record
+  for (const char* name :
+       {"eastward_wind", "northward_wind", "wind_speed", "wind_from_direction", "eastward_wind_se", "wind_speed_se",
+        "wind_sd_sampling", "wind_sd_calibration", "wind_sd_trim", "effective_n_obs", "sample_altitude", "sample_time"})
+    EXPECT_TRUE(std::isnan(file.numbers(name)[empty])) << name;
+  EXPECT_EQ(file.numbers("n_obs")[empty], 0);
+  EXPECT_EQ(file.numbers("wind_qc")[empty], 9);
+  EXPECT_EQ(file.numbers("wind_qc_reasons")[empty], 1 << static_cast<int>(Reason::no_samples));
+  EXPECT_EQ(file.numbers("n_obs")[empty + 1], 100);
+}
+
+TEST(ProfileNetcdf, EachQualityHasItsFlagAndItsReasons) {
+  auto profile = flown();
+  profile.legs[0].bins[1].quality = estimator::Quality::bad;
+  profile.legs[0].bins[1].reasons.add(Reason::model_fault);
+  const NcReader file(bytes_of(profile));
+  const auto flags = file.numbers("wind_qc"), reasons = file.numbers("wind_qc_reasons");
+  EXPECT_EQ(flags[0], 1);
+  EXPECT_EQ(reasons[0], 0);
+  EXPECT_EQ(flags[1], 4);
+  EXPECT_EQ(reasons[1], 1 << static_cast<int>(Reason::model_fault));
+  EXPECT_FALSE(std::isnan(file.numbers("wind_speed")[1])) << "numbers stand also where they are bad";
+  EXPECT_EQ(flags[23], 3);
+  EXPECT_EQ(reasons[23], 1 << static_cast<int>(Reason::fast_descent));
+}
+
+TEST(ProfileNetcdf, NorthIs360AndACalmHasNoDirection) {
+  auto profile = flown();
+  profile.legs[0].bins[0].wind = support::estimate_of(5, 0, 0.1);
+  profile.legs[0].bins[1].wind = support::estimate_of(5, 359.9999999, 0.1);
+  profile.legs[0].bins[2].wind = support::estimate_of(0.1, 90, 0.1);
+  const NcReader file(bytes_of(profile));
+  const auto from = file.numbers("wind_from_direction");
+  EXPECT_EQ(from[0], 360);
+  EXPECT_EQ(from[1], 360);
+  EXPECT_TRUE(std::isnan(from[2])) << "below twice its uncertainty";
+  EXPECT_TRUE(std::isnan(file.numbers("wind_from_direction_se")[2]));
+  EXPECT_NEAR(file.numbers("wind_speed")[2], 0.1, 1e-6);
+}
+
+TEST(ProfileNetcdf, AltitudeIsAboveTheSeaAndConvertsToTheOtherHeights) {
+  const NcReader file(bytes_of(flown()));
+  EXPECT_NEAR(file.numbers("surface_altitude")[0], 150, 1e-9);
+  EXPECT_NEAR(file.numbers("altitude")[0], 165, 1e-9);
+  EXPECT_NEAR(file.numbers("altitude_bnds")[1], 170, 1e-9);
+  EXPECT_NEAR(file.numbers("height")[0], 15, 1e-9);
+  EXPECT_NEAR(file.numbers("geoid_height")[0], *product::Geoid::open().undulation({43.5657, 1.4815}), 1e-9);
+  EXPECT_EQ(file.attribute("crs", "geoid_name"), "EGM96");
+  EXPECT_NE(file.attribute("geoid_height", "comment").find("0.25 degree"), std::string::npos) << "which grid it was";
+}
+
+TEST(ProfileNetcdf, BinsAboveTheSeaStayWhereTheyAre) {
+  auto profile = flown();
+  profile.datum = profiles::Datum::msl;
+  for (auto& leg : profile.legs)
+    for (auto& bin : leg.bins) bin.height_agl.reset();
+  const NcReader file(bytes_of(profile));
+  EXPECT_NEAR(file.numbers("altitude")[0], 15, 1e-9);
+  EXPECT_FALSE(file.has("surface_altitude")) << "where take-off was is not known";
+  EXPECT_TRUE(std::isnan(file.numbers("height")[0]));
+}
+
+TEST(ProfileNetcdf, WhatIsNotKnownIsLeftOut) {
+  const NcReader file(bytes_of(flown()));
+  for (const char* name :
+       {"institution", "creator_name", "creator_email", "license", "project", "naming_authority", "acknowledgement"})
+    EXPECT_EQ(file.attribute(nullptr, name), "(none)") << name;
+  EXPECT_EQ(file.text("station_id"), "43.5657,1.4815") << "the site by its place: no identifier is made up";
+  EXPECT_FALSE(file.has("upward_air_velocity")) << "nothing measured it";
+}
+
+TEST(ProfileNetcdf, WhatTheUserSaysStandsInTheFile) {
+  NetcdfMetadata metadata;
+  metadata.station_id = "0-20000-0-15015";
+  metadata.institution = "Example Institute", metadata.license = "CC-BY-4.0", metadata.title = "A title";
+  metadata.takeoff = ingest::GeoPoint{43.5, 1.5};
+  metadata.takeoff_msl = ingest::MslHeight{151};
+  const NcReader file(bytes_of(flown(), metadata));
+  EXPECT_EQ(file.text("station_id"), "0-20000-0-15015");
+  EXPECT_NE(file.attribute("station_id", "long_name").find("WIGOS"), std::string::npos);
+  EXPECT_EQ(file.attribute(nullptr, "institution"), "Example Institute");
+  EXPECT_EQ(file.attribute(nullptr, "title"), "A title");
+  EXPECT_EQ(file.numbers("lat")[0], 43.5);
+  EXPECT_EQ(file.numbers("altitude")[0], 166);
+}
+
+TEST(Hdf5Checksum, IsThatOfItsAuthorsOwnExamples) {
+  // driver5() of lookup3.c.
+  EXPECT_EQ(product::hdf5_checksum(""), 0xdeadbeefu);
+  EXPECT_EQ(product::hdf5_checksum("Four score and seven years ago"), 0x17770551u);
+}
+
+TEST(ProfileNetcdf, SaysWhatItWasMadeOf) {
+  const NcReader file(bytes_of(flown()));
+  EXPECT_EQ(file.attribute(nullptr, "quadsonde_input_file"), "hover.ulg");
+  EXPECT_EQ(file.attribute(nullptr, "quadsonde_input_sha256"), "00ff");
+  EXPECT_NE(file.attribute(nullptr, "quadsonde_settings").find("\"bin_m\":10.0"), std::string::npos);
+  EXPECT_NE(file.attribute(nullptr, "quadsonde_vehicle").find("\"linear_per_s\""), std::string::npos);
+  EXPECT_NE(file.attribute(nullptr, "quadsonde_problems").find("a record is cut"), std::string::npos);
+  EXPECT_EQ(file.attribute(nullptr, "quadsonde_problems").find("somewhere"), std::string::npos)
+      << "a folder of the machine";
+}
+
+class Epoch {
+ public:
+  explicit Epoch(const char* value) {
+    value ? ::setenv("SOURCE_DATE_EPOCH", value, 1) : ::unsetenv("SOURCE_DATE_EPOCH");
+  }
+  ~Epoch() { ::unsetenv("SOURCE_DATE_EPOCH"); }
+};
+
+TEST(ProfileNetcdf, SameInputGivesTheSameBytes) {
+  const auto first = bytes_of(flown());
+  ASSERT_GT(first.size(), 1000u);
+  for (int i = 0; i < 5; ++i) EXPECT_EQ(bytes_of(flown()), first);
+}
+
+TEST(ProfileNetcdf, TheDateIsTheEpochAskedForElseTheEndOfTheLog) {
+  NetcdfMetadata metadata;
+  metadata.log_end = t0 + ingest::seconds(800);
+  const auto date = [&](const char* epoch) {
+    const Epoch set(epoch);
+    return NcReader(bytes_of(flown(), metadata)).attribute(nullptr, "date_created");
+  };
+  EXPECT_EQ(date("1000000000"), "2001-09-09T01:46:40Z");
+  EXPECT_EQ(date(nullptr), "2025-06-15T15:20:00Z");
+  EXPECT_EQ(date("yesterday"), "2025-06-15T15:20:00Z");
+  EXPECT_EQ(date("99999999999999"), "2025-06-15T15:20:00Z");
+}
+
+TEST(ProfileNetcdf, SeveralThreadsMayWriteAtOnce) {
+  const auto expected = bytes_of(flown());
+  std::vector<std::string> made(4);
+  {
+    std::vector<std::jthread> threads;
+    for (auto& one : made)
+      threads.emplace_back([&one] {
+        for (int i = 0; i < 5; ++i) one = bytes_of(flown());
+      });
+  }
+  for (const auto& one : made) EXPECT_EQ(one, expected);
+}
+
+TEST(ProfileNetcdf, WithoutUtcThereIsNone) {
+  auto profile = flown();
+  for (auto& leg : profile.legs) {
+    leg.utc_from.reset(), leg.utc_to.reset();
+    for (auto& bin : leg.bins) bin.utc.reset();
+  }
+  const auto problem = problem_of(profile);
+  EXPECT_EQ(problem.kind, ingest::Kind::missing);
+  EXPECT_NE(problem.hint.find("--start-utc"), std::string::npos);
+  const support::TemporaryFolder folder;
+  EXPECT_FALSE(product::write_profile_netcdf(folder / "a.nc", profile, support::made_up_source()));
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+}
+
+TEST(ProfileNetcdf, WithoutAPlaceOrAHeightAboveTheSeaThereIsNone) {
+  auto nowhere = flown(), no_height = flown();
+  for (auto& leg : nowhere.legs)
+    for (auto& bin : leg.bins) bin.place.reset();
+  for (auto& leg : no_height.legs)
+    for (auto& bin : leg.bins) bin.height_msl.reset();
+  EXPECT_EQ(problem_of(nowhere).kind, ingest::Kind::missing);
+  EXPECT_NE(problem_of(no_height).hint.find("--takeoff-msl"), std::string::npos);
+  NetcdfMetadata metadata;
+  metadata.takeoff_msl = ingest::MslHeight{100};
+  EXPECT_EQ(NcReader(bytes_of(no_height, metadata)).numbers("altitude")[0], 115);
+}
+
+TEST(ProfileNetcdf, WithoutAnyWindThereIsNone) {
+  auto profile = flown();
+  for (auto& leg : profile.legs)
+    for (auto& bin : leg.bins) bin.wind = estimator::NoEstimate{}, bin.samples = 0;
+  EXPECT_EQ(problem_of(profile).kind, ingest::Kind::no_answer);
+  profile.legs.clear();
+  EXPECT_EQ(problem_of(profile).kind, ingest::Kind::no_answer);
+}
+
+TEST(ProfileNetcdf, LegsThatDoNotMatchAreRefused) {
+  auto other_bins = flown(), same_mid = flown(), hole = flown();
+  other_bins.legs[1].bins.pop_back();
+  EXPECT_EQ(problem_of(other_bins).kind, ingest::Kind::inconsistent);
+  same_mid.legs[1].utc_from = same_mid.legs[0].utc_from, same_mid.legs[1].utc_to = same_mid.legs[0].utc_to;
+  EXPECT_EQ(problem_of(same_mid).kind, ingest::Kind::inconsistent);
+  for (auto& leg : hole.legs) leg.bins.erase(leg.bins.begin() + 3);
+  EXPECT_EQ(problem_of(hole).kind, ingest::Kind::inconsistent);
+}
+
+TEST(ProfileNetcdf, NamesThatAreNoTextDoNoHarm) {
+  auto source = support::made_up_source();
+  source.file = "we\xff\"'; rm <x> \xc3\xa9.ulg";
+  NetcdfMetadata metadata;
+  metadata.vehicle = std::string("a\0b\xf0", 4);
+  const auto bytes = profile_netcdf(flown(), source, metadata);
+  ASSERT_TRUE(bytes);
+  const NcReader file(*bytes);
+  EXPECT_EQ(file.attribute(nullptr, "id"), "we_____rm__x____-2");
+  EXPECT_EQ(file.attribute(nullptr, "platform"), "multirotor ab\xef\xbf\xbd");
+}
+
+TEST(ProfileNetcdf, ATargetThatCannotBeWrittenIsLeftAsItWas) {
+  const support::TemporaryFolder folder;
+  const auto write = [&](const std::filesystem::path& path, bool overwrite = false) {
+    return product::write_profile_netcdf(path, flown(), support::made_up_source(), {}, overwrite);
+  };
+  std::filesystem::create_directory(folder / "folder.nc");
+  EXPECT_FALSE(write(folder / "folder.nc"));
+  EXPECT_FALSE(write(folder / "not_there" / "a.nc"));
+  support::write_bytes(folder / "old.nc", {1, 2, 3});
+  EXPECT_FALSE(write(folder / "old.nc"));
+  EXPECT_EQ(support::read_bytes(folder / "old.nc"), (std::vector<std::uint8_t>{1, 2, 3}));
+  ASSERT_TRUE(write(folder / "old.nc", true));
+  EXPECT_GT(support::read_bytes(folder / "old.nc").size(), 1000u);
+}
+
+TEST(ProfileNetcdf, ADiskThatFillsUpLeavesNothing) {
+  const support::TemporaryFolder folder;
+  // Files may not grow beyond 5 kB here: the write fails halfway, as on a full disk.
+  ::signal(SIGXFSZ, SIG_IGN);
+  rlimit before{}, small{};
+  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
+  small = before;
+  small.rlim_cur = 5000;
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &small), 0);
+  const auto written = product::write_profile_netcdf(folder / "a.nc", flown(), support::made_up_source());
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &before), 0);
+  ASSERT_FALSE(written);
+  EXPECT_EQ(written.error().kind, ingest::Kind::write_failed);
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+}
+
+}  // namespace
+}  // namespace quadsonde

@@ -1,0 +1,6 @@
+#include "tests/fuzz/mcap/targets.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  quadsonde::fuzz::mcap_schema({data, size});
+  return 0;
+}
