@@ -67,7 +67,7 @@ class Profiler {
     profile_.bin_m = settings_.bin_m;
     profile_.datum = settings_.datum;
     if (const auto problem = choose_datum()) return ingest::fail(*problem);
-    parts_ = find_parts(series_.points, heights_, settings_.bin_m / 2);
+    parts_ = find_parts(series_.points, heights_, settings_.bin_m);
     collect();
     if (low_ > high_)
       return ingest::fail(Kind::no_answer, "no instant of this flight has both a wind and a height", {},

@@ -26,6 +26,19 @@ HeightTrack height_track(const Flight& flight) {
   return track;
 }
 
+/// Means over a second: height noise must not look like a take-off.
+void calm_down(HeightTrack& track) {
+  std::vector<double> mean(track.up.size());
+  std::size_t begin = 0, end = 0;
+  double sum = 0;
+  for (std::size_t i = 0; i < track.up.size(); ++i) {
+    for (; end < track.up.size() && track.time[end] <= track.time[i] + seconds(0.5); ++end) sum += track.up[end];
+    for (; track.time[begin] < track.time[i] - seconds(0.5); ++begin) sum -= track.up[begin];
+    mean[i] = sum / static_cast<double>(end - begin);
+  }
+  track.up = std::move(mean);
+}
+
 double value_at(const HeightTrack& track, LogTime t) {
   const auto after = static_cast<std::size_t>(std::upper_bound(track.time.begin(), track.time.end(), t) -
                                               track.time.begin());
@@ -42,7 +55,8 @@ double lowest(const HeightTrack& track) {
 
 std::function<bool(std::size_t)> airborne_rule(const Flight& flight, const SegmentSettings& settings) {
   const auto& velocity = flight.velocity;
-  const auto track = height_track(flight);
+  auto track = height_track(flight);
+  calm_down(track);
   const double ground = track.time.empty() ? 0 : lowest(track);
   return [&velocity, &flight, track, ground, settings](std::size_t i) {
     const LogTime t = velocity.time[i];

@@ -38,6 +38,8 @@ ROWS = {
     **{product: [*BEHIND_PRODUCTS, *PRODUCTS] for product in PRODUCTS},
     "export/geoid": [FLIGHT],
     "export/mcap": [*BEHIND_PRODUCTS, *PRODUCTS, "ingest/mcap"],
+    # A calibration is a result that pictures and answers show, as they show a profile.
+    "export/report": [*BEHIND_PRODUCTS, *PRODUCTS, "estimator/calibration"],
     "export/pipeline": ["ingest", "estimator", "profiles", "export"],
     "cli": ["ingest", "estimator", "profiles", "export"],
 }

@@ -13,8 +13,8 @@ constexpr GeoPoint fiji{-17.7, 179.9999};
 TEST(LocalFrame, RoundTripsWithinANanometre) {
   for (const auto origin : {toulouse, fiji, GeoPoint{78.9, 11.9}}) {
     const LocalFrame frame(origin, 180);
-    for (const Eigen::Vector3d& p_NB_N : {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(120, -340, -95),
-                                          Eigen::Vector3d(-8000, 15000, -3000)}) {
+    for (const Eigen::Vector3d& p_NB_N :
+         {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(120, -340, -95), Eigen::Vector3d(-8000, 15000, -3000)}) {
       const auto [point, height] = frame.from_ned(p_NB_N);
       EXPECT_LT((frame.to_ned(point, height) - p_NB_N).norm(), 1e-8) << "GeographicLib promises 2e-10 m near the Earth";
     }

@@ -10,11 +10,18 @@ namespace quadsonde::ingest {
 namespace {
 
 template <class A, class B>
-concept Addable = requires(A a, B b) { a + b; };
+concept Addable = requires(A a, B b) {
+  a + b;
+};
 template <class A, class B>
-concept Subtractable = requires(A a, B b) { a - b; };
+concept Subtractable = requires(A a, B b) {
+  a - b;
+};
 template <class A, class B>
-concept Comparable = requires(A a, B b) { a < b; } || requires(A a, B b) { a == b; };
+concept Comparable = requires(A a, B b) {
+  a < b;
+}
+|| requires(A a, B b) { a == b; };
 template <class From, class To>
 concept Converts = std::convertible_to<From, To> || std::constructible_from<To, From>;
 

@@ -1,0 +1,139 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "export/report/axis.h"
+#include "export/report/barb.h"
+#include "export/report/plot.h"
+#include "export/report/profile_picture.h"
+#include "export/report/series_picture.h"
+#include "tests/export/made_up.h"
+#include "tests/export/report/xml_check.h"
+
+namespace quadsonde::product {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+FlightTitle title() {
+  return {"a<b>&.ulg", 1, 2, ingest::UtcTime{1'750'000'000'000'000'000}, ingest::GeoPoint{43.5657, 1.4815}, 460, "quad \"7\"", "PX4"};
+}
+
+std::size_t count(const std::string& text, const std::string& part) {
+  std::size_t n = 0;
+  for (auto at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++n;
+  return n;
+}
+
+TEST(ProfilePicture, IsWellFormedWhateverTheLogCallsItself) {
+  const auto svg = profile_svg(support::made_up_profile(), {title(), "drag & <more>", {}, "true wind", "profile"});
+  EXPECT_EQ(support::xml_fault(svg), std::nullopt);
+  EXPECT_THAT(svg, HasSubstr("a&lt;b&gt;&amp;.ulg, flight 1 of 2"));
+}
+
+TEST(ProfilePicture, LoadsNothingFromElsewhere) {
+  const auto svg = profile_svg(support::made_up_profile(), {title(), "", {}, "true wind", "profile"});
+  for (const auto* word : {"href", "<image", "<style", "@import", "<script", "url(http"}) EXPECT_THAT(svg, Not(HasSubstr(word))) << word;
+  EXPECT_EQ(count(svg, "http"), 1u) << "the namespace of SVG and nothing else";
+}
+
+TEST(ProfilePicture, ShowsAscentAndDescentApartAndTheTruthWhereThereIsOne) {
+  const auto profile = support::made_up_profile();
+  ProfilePicture picture{title(), "", {}, "true wind", "profile"};
+  const auto without = profile_svg(profile, picture);
+  EXPECT_THAT(without, HasSubstr(">ascent<"));
+  EXPECT_THAT(without, HasSubstr(">descent<"));
+  EXPECT_THAT(without, Not(HasSubstr("true wind")));
+  picture.reference = {{15, {1, 2}}, {225, {3, 4}}};
+  EXPECT_THAT(profile_svg(profile, picture), HasSubstr(">true wind<"));
+}
+
+TEST(ProfilePicture, DrawsDoubtfulBinsHollowAndBadOnesAsCrosses) {
+  auto profile = support::made_up_profile();
+  const ProfilePicture picture{title(), "", {}, "true wind", "profile"};
+  const auto hollow = [](const std::string& svg) { return count(svg, "r=\"3.4\" fill=\"#ffffff\""); };
+  // Five doubtful bins in the descent, in two panels, and one in the legend.
+  EXPECT_EQ(hollow(profile_svg(profile, picture)), 11u);
+  profile.legs[0].bins[0].quality = estimator::Quality::bad;
+  EXPECT_THAT(profile_svg(profile, picture), HasSubstr(">bad<"));
+}
+
+TEST(ProfilePicture, BreaksItsLinesWhereABinIsEmpty) {
+  auto profile = support::made_up_profile();
+  const ProfilePicture picture{title(), "", {}, "true wind", "profile"};
+  const auto with_gap = count(profile_svg(profile, picture), "<polygon");
+  profile.legs[1].bins[14] = support::bin_at(150, 8, 266, 0.2);
+  EXPECT_EQ(with_gap, count(profile_svg(profile, picture), "<polygon") + 2) << "one band more in each panel";
+}
+
+TEST(ProfilePicture, DrawsDirectionsAcrossNorthWithoutALeap) {
+  profiles::WindProfile profile;
+  profiles::Leg all{profiles::LegName::all, {}};
+  for (int i = 0; i < 10; ++i) all.bins.push_back(support::bin_at(10.0 * i, 6, i % 2 ? 355 : 5, 0.1));
+  profile.legs = {all};
+  const auto svg = profile_svg(profile, {title(), "", {}, "true wind", "profile"});
+  EXPECT_THAT(svg, HasSubstr("360\xC2\xB0 N"));
+  EXPECT_THAT(svg, Not(HasSubstr("180\xC2\xB0"))) << "the axis stays around north";
+}
+
+TEST(ProfilePicture, SaysSoWhenThereIsNoWind) {
+  profiles::WindProfile profile;
+  EXPECT_EQ(support::xml_fault(profile_svg(profile, {title(), "", {}, "true wind", "profile"})), std::nullopt);
+  EXPECT_THAT(profile_svg(profile, {title(), "", {}, "true wind", "profile"}), HasSubstr("No wind could be estimated"));
+}
+
+TEST(SeriesPicture, IsWellFormedAndThinnedToWhatAPictureShows) {
+  const auto small = series_svg(support::made_up_series(400), {title(), nullptr, "series"});
+  const auto large = series_svg(support::made_up_series(60'000), {title(), nullptr, "series"});
+  EXPECT_EQ(support::xml_fault(small), std::nullopt);
+  EXPECT_EQ(support::xml_fault(large), std::nullopt);
+  EXPECT_LT(large.size(), 300'000u);
+  EXPECT_THAT(small, Not(HasSubstr("classic filter")));
+  const auto classic = support::made_up_series(400);
+  EXPECT_THAT(series_svg(classic, {title(), &classic, "series"}), HasSubstr("classic filter"));
+}
+
+TEST(SeriesPicture, SurvivesASeriesWithoutAnyWind) {
+  estimator::WindSeries series;
+  EXPECT_EQ(support::xml_fault(series_svg(series, {title(), nullptr, "series"})), std::nullopt);
+}
+
+TEST(Axis, HasRoundTicksThatHoldTheValues) {
+  const auto axis = round_axis(0.3, 8.9, 0, 100, 6);
+  EXPECT_EQ(axis.low, 0);
+  EXPECT_EQ(axis.high, 10);
+  EXPECT_EQ(axis.step, 2);
+  EXPECT_EQ(axis.ticks().size(), 6u);
+  EXPECT_EQ(axis.label(4), "4");
+  const auto angles = angle_axis(243, 287, 0, 100, 5);
+  EXPECT_EQ(angles.step, 10);
+  EXPECT_EQ(angles.low, 240);
+  EXPECT_EQ(angles.high, 290);
+}
+
+// WMO-No. 485: 25 m/s is one pennant, 17.5 three feathers and a half; feathers to the right of a north wind's staff in
+// the northern hemisphere, to its left in the southern.
+TEST(Barb, CountsFeathersBySpeedAndTurnsThemByHemisphere) {
+  const auto path_of = [](double speed, bool southern) {
+    Markup m;
+    draw_barb(m, 0, 0, speed, 0, southern, "#000");
+    return m.str();
+  };
+  EXPECT_EQ(count(path_of(17.5, false), "M0"), 1u + 3u + 1u);
+  EXPECT_EQ(count(path_of(25, false), "Z"), 1u);
+  EXPECT_THAT(path_of(5, false), HasSubstr("L10 -30"));
+  EXPECT_THAT(path_of(5, true), HasSubstr("L-10 -30"));
+  EXPECT_THAT(path_of(1, false), Not(HasSubstr("path"))) << "calm is a ring";
+}
+
+TEST(DirectionLabel, IsTheMeteorologistsCircle) {
+  EXPECT_EQ(direction_label(0), "360\xC2\xB0 N");
+  EXPECT_EQ(direction_label(-90), "270\xC2\xB0 W");
+  EXPECT_EQ(direction_label(405), "45\xC2\xB0");
+  EXPECT_DOUBLE_EQ(unwrapped(350, 10), -10);
+}
+
+}  // namespace
+}  // namespace quadsonde::product
