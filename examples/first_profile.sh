@@ -33,7 +33,7 @@ fi
 
 # The whole job on the log alone; the truth is what the answer is compared with, as a sounding would be.
 status=0
-"$bin" run "$log" --reference "$out/ascent_truth.csv" -o "$out" --force || status=$?
+"$bin" run "$log" --vehicle examples/vehicles/published.toml --reference "$out/ascent_truth.csv" -o "$out" --force || status=$?
 # 3: there is an answer, and part of the input was missing or doubtful, which has been said.
 if [ "$status" -ne 0 ] && [ "$status" -ne 3 ]; then exit "$status"; fi
 

@@ -1,0 +1,18 @@
+#include "cli/verb.h"
+
+namespace quadsonde::cli {
+
+std::vector<std::unique_ptr<Verb>> all_verbs() {
+  std::vector<std::unique_ptr<Verb>> verbs;
+  verbs.push_back(make_run_verb());
+  verbs.push_back(make_info_verb());
+  verbs.push_back(make_check_verb());
+  verbs.push_back(make_estimate_verb());
+  verbs.push_back(make_profile_verb());
+  verbs.push_back(make_convert_verb());
+  verbs.push_back(make_simulate_verb());
+  verbs.push_back(make_calibrate_verb());
+  return verbs;
+}
+
+}  // namespace quadsonde::cli

@@ -1,0 +1,116 @@
+#include "cli/verbs/answers.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "export/csv/tables.h"
+
+namespace quadsonde::cli {
+
+using ingest::Kind;
+using ingest::Problem;
+
+void tell(Console& console, const product::RunResult& result) {
+  console.warnings(result.notes);
+  for (const auto& run : result.flights) {
+    console.warnings(run.answer.source.problems);
+    if (run.answer.no_profile) console.warning(*run.answer.no_profile);
+  }
+  for (const auto& failure : result.failures) console.error(failure);
+}
+
+std::filesystem::path numbered(const std::filesystem::path& path, int flight, bool several) {
+  if (!several) return path;
+  return path.parent_path() / fmt::format("{}-{}{}", path.stem().string(), flight, path.extension().string());
+}
+
+std::vector<product::FlightRun> AnswerVerb::collect(const Call& call, int& code) {
+  std::vector<product::FlightRun> runs;
+  bool any = false, failed = false;
+  code = complete;
+  for (const auto& input : call.inputs) {
+    product::RunRequest request;
+    request.log = input;
+    request.references.assign(references.begin(), references.end());
+    request.settings = settings;
+    request.want_profile = want_profile;
+    request.all_flights = false;
+    auto result = product::run_log(request, call.control);
+    if (!result) {
+      call.console.error(result.error());
+      code = std::max(code == no_answer ? 0 : code, exit_code(result.error()));
+      failed = true;
+      continue;
+    }
+    tell(call.console, *result);
+    if (result->with_doubts()) code = std::max(code, with_doubts);
+    for (auto& run : result->flights) {
+      if (want_profile && !run.answer.profile) {
+        failed = true;
+        continue;
+      }
+      any = true;
+      runs.push_back(std::move(run));
+    }
+  }
+  if (!any && code != wrong_usage) code = no_answer;
+  if (any && failed) code = with_doubts;
+  return runs;
+}
+
+int AnswerVerb::write(const Call& call, const std::vector<product::FlightRun>& runs) {
+  const auto path = *call.output();
+  const auto format = *product::format_of(path);
+  product::Outputs outputs(call.common.force, call.control);
+  const auto finish = [&](const ingest::Result<void>& done) {
+    if (!done) call.console.error(done.error());
+    return done ? complete : exit_code(done.error());
+  };
+  if (format == product::Format::json && runs.size() > 1) {
+    std::vector<std::string> objects;
+    for (const auto& run : runs) objects.push_back(render(run.answer, format));
+    if (auto done = outputs.add(path, product::json_list(objects)); !done) return finish(done);
+    return finish(outputs.commit());
+  }
+  for (const auto& run : runs)
+    if (auto done = outputs.add(numbered(path, run.answer.part.number, runs.size() > 1), render(run.answer, format)); !done) return finish(done);
+  return finish(outputs.commit());
+}
+
+void AnswerVerb::print(const Call& call, const std::vector<product::FlightRun>& runs) {
+  if (call.common.json) {
+    std::vector<std::string> objects;
+    for (const auto& run : runs) objects.push_back(render(run.answer, product::Format::json));
+    call.console.print(objects.size() == 1 ? objects.front() : product::json_list(objects));
+    return;
+  }
+  for (std::size_t i = 0; i < runs.size(); ++i) call.console.print((i ? "\n" : "") + say(runs[i].answer));
+}
+
+int AnswerVerb::run(const Call& call) {
+  product::apply_words(settings);
+  const auto output = call.output();
+  const auto refuse = [&](const Problem& problem) {
+    call.console.error(problem);
+    return wrong_usage;
+  };
+  if (output && !product::format_of(*output))
+    return refuse({Kind::usage, "this ending names no format of an answer", {output->string(), {}, {}, {}}, "use .csv, .json, .svg or .html"});
+  std::error_code error;
+  if (output && !call.common.force && std::filesystem::exists(*output, error))
+    return refuse({Kind::usage, "this file is already there", {output->string(), {}, {}, {}}, "name another output or allow overwriting with --force"});
+  if (output && call.inputs.size() > 1 && product::format_of(*output) != product::Format::json)
+    return refuse({Kind::usage, "one file of this format holds one log", {output->string(), {}, {}, {}}, "give one log, or -o X.json"});
+  int code = complete;
+  const auto runs = collect(call, code);
+  if (runs.empty() || call.control.stopped()) return code;
+  if (output) {
+    if (const int written = write(call, runs); written != complete) return written;
+    if (!call.common.json) return code;
+  }
+  print(call, runs);
+  return code;
+}
+
+}  // namespace quadsonde::cli

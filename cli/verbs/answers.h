@@ -1,0 +1,38 @@
+#pragma once
+// What estimate, profile and run share.
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "cli/verb.h"
+#include "export/pipeline/render.h"
+#include "export/pipeline/run_log.h"
+
+namespace quadsonde::cli {
+
+/// Everything met on the way to the answers of one log, to standard error.
+void tell(Console& console, const product::RunResult& result);
+
+/// X.csv, or X-N.csv where several flights were chosen.
+std::filesystem::path numbered(const std::filesystem::path& path, int flight, bool several);
+
+using Render = std::function<std::string(const product::FlightAnswer&, product::Format)>;
+using Say = std::function<std::string(const product::FlightAnswer&)>;
+
+/// Answers for each input, printed or written as the call asks.
+struct AnswerVerb {
+  product::PipelineSettings settings;
+  std::vector<std::string> references;
+  bool want_profile = true;
+  Render render;  ///< into a file, or JSON onto standard output
+  Say say;        ///< for people
+
+  int run(const Call& call);
+
+ private:
+  std::vector<product::FlightRun> collect(const Call& call, int& code);
+  int write(const Call& call, const std::vector<product::FlightRun>& runs);
+  void print(const Call& call, const std::vector<product::FlightRun>& runs);
+};
+
+}  // namespace quadsonde::cli

@@ -1,0 +1,28 @@
+#pragma once
+// Pieces of JSON that several products share.
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <vector>
+
+#include "estimator/smoother/wind_series.h"
+#include "export/csv/source.h"
+
+namespace quadsonde::product {
+
+using Json = nlohmann::ordered_json;
+
+/// A number printed with fixed digits, as a JSON number; null for the unknown and for what is not finite.
+Json json_number(std::optional<double> value, int digits);
+Json json_problem(const ingest::Problem& problem);
+Json json_problems(const std::vector<ingest::Problem>& problems);
+Json json_vehicle(const ingest::Vehicle& vehicle);
+Json json_settings(const std::vector<NamedSetting>& settings);
+/// {"file", "sha256", "flight"}
+Json json_source(const ProductSource& source);
+Json json_reasons(estimator::Reasons reasons);
+Json json_diagnostics(const estimator::FlightDiagnostics& diagnostics);
+
+/// Indented text with a newline at its end. Bytes that are no UTF-8 (names out of a log) are replaced, not fatal.
+std::string json_text(const Json& json);
+
+}  // namespace quadsonde::product

@@ -1,0 +1,174 @@
+#include "export/pipeline/analyse.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace quadsonde::product {
+namespace {
+
+using ingest::fail;
+using ingest::Kind;
+using ingest::Problem;
+
+/// Collects settings by name; what takes a name and a value may be followed by anything.
+struct Collector {
+  std::vector<NamedSetting>& settings;
+  template <class... More>
+  void operator()(const char* name, const std::string& value, const More&...) { settings.push_back({name, value}); }
+  template <class... More>
+  void operator()(const char* name, const std::string& value, std::initializer_list<const char*>, const More&...) {
+    settings.push_back({name, value});
+  }
+  template <class... More>
+  void operator()(const char* name, bool value, const More&...) { settings.push_back({name, value}); }
+  template <class... More>
+  void operator()(const char* name, double value, const More&...) { settings.push_back({name, value}); }
+  template <class... More>
+  void operator()(const char* name, const std::optional<double>& value, const More&...) {
+    settings.push_back({name, value ? SettingValue(*value) : SettingValue()});
+  }
+};
+
+bool same(const Problem& a, const Problem& b) { return ingest::to_string(a) == ingest::to_string(b); }
+
+void add_once(std::vector<Problem>& all, const std::vector<Problem>& more) {
+  for (const auto& problem : more)
+    if (std::none_of(all.begin(), all.end(), [&](const Problem& p) { return same(p, problem); })) all.push_back(problem);
+}
+
+FlightTitle title_of(const LoadedLog& log, const FlightPart& part) {
+  FlightTitle title;
+  title.file = log.path.filename().string();
+  title.flight = part.number;
+  title.flights = static_cast<int>(log.parts.size());
+  title.start = part.boot->clock.to_utc(part.segment.from);
+  const auto& positions = part.boot->position;
+  if (!positions.empty()) {
+    const auto at = std::max<std::ptrdiff_t>(0, ingest::last_at_or_before(positions, part.segment.from));
+    title.place = positions.value[static_cast<std::size_t>(at)];
+  } else if (part.boot->origin) {
+    title.place = part.boot->origin->point;
+  }
+  title.duration_s = part.duration_s();
+  title.vehicle = part.boot->vehicle.name;
+  title.autopilot = part.boot->vehicle.autopilot;
+  return title;
+}
+
+/// Only the legs asked for stay; `each` keeps all.
+std::optional<Problem> keep_legs(profiles::WindProfile& profile, const std::string& wanted) {
+  if (wanted == "each") return std::nullopt;
+  std::erase_if(profile.legs, [&](const profiles::Leg& leg) { return profiles::name(leg.name) != wanted; });
+  if (!profile.legs.empty()) return std::nullopt;
+  return Problem{Kind::no_answer, fmt::format("the flight has no leg \"{}\": it never climbs or descends by one bin", wanted), {},
+                 "ask for --leg all or smaller bins with --bin-m"};
+}
+
+bool has_wind(const estimator::WindSeries& series) {
+  return std::any_of(series.points.begin(), series.points.end(),
+                     [](const auto& p) { return std::holds_alternative<estimator::WindEstimate>(p.wind); });
+}
+
+ingest::Result<void> add_series(FlightAnswer& answer, const ingest::Vehicle& vehicle, const PipelineSettings& settings, bool classic) {
+  const auto flight = answer.part.airborne();
+  auto estimate = settings.estimate;
+  estimate.takeoff = answer.part.takeoff;
+  auto series = estimator::estimate_wind(flight, vehicle, estimate);
+  if (!series) return fail(series.error());
+  if (!has_wind(*series)) return fail(Kind::no_answer, "no instant of this flight has a wind", {}, "see `quadsonde info` for what the log lacks");
+  answer.series = std::move(*series);
+  add_once(answer.source.problems, answer.series.problems);
+  if (!classic || settings.estimate.mode == estimator::Mode::classic) return {};
+  estimate.mode = estimator::Mode::classic;
+  if (auto beside = estimator::estimate_wind(flight, vehicle, estimate)) answer.classic = std::move(*beside);
+  return {};
+}
+
+void add_comparison(FlightAnswer& answer, const ingest::Truth& truth, const std::string& file) {
+  answer.comparison = compare_with_truth(answer.series, answer.classic ? &*answer.classic : nullptr,
+                                         answer.profile ? &*answer.profile : nullptr, truth);
+  answer.comparison->file = std::filesystem::path(file).filename().string();
+  if (answer.comparison->samples.n == 0)
+    add_once(answer.source.problems, {{Kind::missing, "the reference has no instant in common with the flight", {file, {}, {}, {}},
+                                       "give the truth of this flight, on the same clock"}});
+}
+
+void add_profile(FlightAnswer& answer, const PipelineSettings& settings) {
+  auto profile = profiles::make_profile(answer.series, settings.profile);
+  if (!profile) {
+    answer.no_profile = profile.error();
+    return;
+  }
+  add_once(answer.source.problems, profile->problems);
+  answer.no_profile = keep_legs(*profile, settings.leg.leg);
+  if (!answer.no_profile) answer.profile = std::move(*profile);
+}
+
+}  // namespace
+
+std::vector<NamedSetting> named_settings(const PipelineSettings& settings) {
+  std::vector<NamedSetting> all;
+  auto copy = settings;
+  describe(copy, Collector{all});
+  // Where a map or a vehicle file lay on this machine is nobody's business; its name is.
+  for (auto& setting : all)
+    if (auto* text = std::get_if<std::string>(&setting.value); text && text->find('/') != std::string::npos)
+      *text = std::filesystem::path(*text).filename().string();
+  return all;
+}
+
+ingest::Result<VehicleInUse> choose_vehicle(const DragSettings& settings, const std::filesystem::path& log) {
+  VehicleInUse use;
+  const auto beside = log.parent_path() / "vehicle.toml";
+  std::error_code error;
+  ingest::Result<ingest::Vehicle> vehicle = ingest::class_prior();
+  if (settings.vehicle.starts_with("class:")) {
+    vehicle = ingest::class_prior(settings.vehicle.substr(6));
+    use.from = settings.vehicle;
+  } else if (settings.vehicle != "auto") {
+    vehicle = ingest::read_vehicle(settings.vehicle);
+    use.from = settings.vehicle;
+  } else if (std::filesystem::exists(beside, error)) {
+    vehicle = ingest::read_vehicle(beside);
+    use.from = beside.string();
+  } else {
+    use.from = "class prior";
+  }
+  if (!vehicle) return fail(vehicle.error());
+  // The estimator scales to the flight's air density; here only the mass.
+  auto flown = ingest::flown_at(*vehicle, settings.mass_kg, vehicle->air_density_kg_m3);
+  if (!flown) return fail(flown.error());
+  if (settings.mass_kg && !vehicle->mass_kg)
+    use.notes.push_back({Kind::doubtful, "--mass-kg changes nothing here: the class prior has no mass to scale from", {},
+                         "give a vehicle file with mass_kg"});
+  use.vehicle = std::move(*flown);
+  return use;
+}
+
+ingest::Result<FlightAnswer> analyse(const LoadedLog& log, const FlightPart& part, const VehicleInUse& vehicle,
+                                     const PipelineSettings& settings, const Wanted& wanted, const Control& control) {
+  if (control.stopped()) return fail(stopped_problem());
+  FlightAnswer answer{part, title_of(log, part), {}, {}, {}, {}, {}, {}};
+  answer.source = {answer.title.file, log.sha256, part.number, vehicle.vehicle, named_settings(settings), {}};
+  auto& problems = answer.source.problems;
+  add_once(problems, log.content.problems);
+  add_once(problems, part.problems);
+  add_once(problems, vehicle.notes);
+  if (part.boot->vehicle.airframe == ingest::Airframe::helicopter)
+    add_once(problems, {{Kind::doubtful, "the log is of a helicopter; only what it flies like a multirotor can be trusted",
+                         {log.path.string(), {}, {}, {}}, "judge the result by its quality and reasons"}});
+  control.report("estimating the wind", 0.3);
+  if (auto done = add_series(answer, vehicle.vehicle, settings, wanted.classic); !done) {
+    auto problem = control.stopped() ? stopped_problem() : done.error();
+    if (problem.where.file.empty()) problem.where.file = log.path.string();
+    return fail(std::move(problem));
+  }
+  control.report("making the profile", 0.8);
+  if (wanted.profile) add_profile(answer, settings);
+  if (wanted.truth) add_comparison(answer, *wanted.truth, wanted.truth_file);
+  if (control.stopped()) return fail(stopped_problem());
+  return answer;
+}
+
+}  // namespace quadsonde::product

@@ -1,0 +1,69 @@
+#pragma once
+// What a log holds and what can be made of it, before anything is estimated.
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "export/pipeline/load.h"
+#include "export/report/words.h"
+
+namespace quadsonde::product {
+
+struct StreamFacts {
+  std::string name;                     ///< "attitude"
+  std::string source;                   ///< as the log calls it
+  std::size_t samples = 0;
+  std::optional<double> rate_hz;        ///< by the median interval
+  std::optional<double> longest_gap_s;
+  std::size_t gaps = 0;                 ///< intervals above 1 s and above five median ones
+};
+
+struct BootFacts {
+  std::string vehicle, autopilot, firmware, airframe;
+  int rotors = 0;
+  bool simulated = false;
+  std::optional<double> utc_uncertainty_s;  ///< empty while UTC is not known
+  std::string clock_source;
+  std::vector<StreamFacts> streams;
+  std::optional<ingest::Problem> lacking;   ///< why no wind can come of it
+};
+
+/// What was flown, as far as the wind and the calibration care. Source: design notes, sections 4, 5 and 8.
+struct Manoeuvre {
+  double heading_index = 0;             ///< 0: the nose never turned, 1: all headings alike
+  double turned_deg = 0;                ///< the way of the nose, back and forth, with wobbles below 10 degrees left out
+  double excitation = 0;                ///< X: motion that is neither constant nor turns with the nose [m/s]
+  double max_speed = 0;                 ///< over ground [m/s]
+  int ascents = 0, descents = 0;        ///< of at least one bin
+  std::optional<double> lowest, highest;  ///< above take-off, or above sea level [m]
+  bool above_takeoff = false;
+};
+
+struct FlightFacts {
+  FlightTitle title;
+  Manoeuvre manoeuvre;
+  bool starts_in_air = false, ends_in_air = false;
+  bool trim_can_be_measured = false, profile_possible = false, can_calibrate = false;
+  std::vector<std::string> advice;      ///< which manoeuvre would help
+};
+
+struct LogFacts {
+  std::string file, sha256, format;
+  std::uint64_t messages = 0, salvaged = 0;
+  std::vector<std::pair<std::string, std::string>> details;
+  std::vector<ingest::TopicCount> topics;
+  std::vector<BootFacts> boots;
+  std::vector<FlightFacts> flights;
+  std::optional<ingest::Problem> nothing;
+  std::vector<ingest::Problem> problems;
+};
+
+Manoeuvre find_manoeuvre(const FlightPart& part, double bin_m);
+LogFacts inspect(const LoadedLog& log, double bin_m = 10);
+
+/// For a terminal of 80 columns.
+std::string info_text(const LogFacts& facts);
+/// Object of schema quadsonde.info/1, as text.
+std::string info_json(const LogFacts& facts);
+
+}  // namespace quadsonde::product

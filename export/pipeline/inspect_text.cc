@@ -1,0 +1,162 @@
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "export/csv/json.h"
+#include "export/csv/numbers.h"
+#include "export/pipeline/inspect.h"
+#include "export/report/text_answer.h"
+#include "export/version.h"
+
+namespace quadsonde::product {
+namespace {
+
+std::string line(const char* name, const std::string& text) {
+  return wrapped(fmt::format("  {:<16}  {}", name, text), 79, 20) + "\n";
+}
+
+std::string vehicle_text(const BootFacts& boot) {
+  std::string text = boot.vehicle;
+  const auto append = [&](const std::string& part) {
+    if (!part.empty()) text += (text.empty() ? "" : ", ") + part;
+  };
+  append(boot.airframe);
+  append(boot.rotors ? fmt::format("{} rotors", boot.rotors) : "");
+  append(boot.autopilot + (boot.firmware.empty() || boot.autopilot.empty() ? "" : " ") + boot.firmware);
+  append(boot.simulated ? "simulated: no air moved" : "");
+  return text.empty() ? "not told by the log" : text;
+}
+
+std::string clock_text(const BootFacts& boot) {
+  if (!boot.utc_uncertainty_s) return "UTC is not known; times are the log's own";
+  return fmt::format("UTC known to {:.3g} s{}", *boot.utc_uncertainty_s, boot.clock_source.empty() ? "" : " (" + boot.clock_source + ")");
+}
+
+std::string streams_text(const std::vector<StreamFacts>& streams) {
+  std::string text = fmt::format("  {:<18}{:<26}{:>9}{:>10}{:>13}\n", "stream", "in the log as", "samples", "rate, Hz", "longest gap");
+  for (const auto& s : streams) {
+    text += fmt::format("  {:<18}{:<26}{:>9}{:>10}{:>13}", s.name, s.source.size() > 25 ? s.source.substr(0, 22) + "..." : s.source, s.samples,
+                        s.rate_hz ? fmt::format("{:.1f}", *s.rate_hz) : "-", s.longest_gap_s ? fmt::format("{:.2f} s", *s.longest_gap_s) : "-");
+    text += "\n";
+  }
+  return text;
+}
+
+std::string height_text(const Manoeuvre& m) {
+  if (!m.lowest) return "no height in the log";
+  return fmt::format("{} to {} m {}", std::lround(*m.lowest), std::lround(*m.highest), m.above_takeoff ? "above take-off" : "above sea level (take-off not known)");
+}
+
+std::string flight_text(const FlightFacts& f) {
+  const auto& m = f.manoeuvre;
+  auto text = wrapped(fmt::format("Flight {}: {}", f.title.flight, when_and_where(f.title)), 79, 2) + "\n";
+  text += line("height", height_text(m) + fmt::format(", {} ascent{}, {} descent{}", m.ascents, m.ascents == 1 ? "" : "s", m.descents,
+                                                      m.descents == 1 ? "" : "s"));
+  text += line("motion", fmt::format("up to {:.1f} m/s over ground, excitation {:.2f} m/s", m.max_speed, m.excitation));
+  text += line("heading", fmt::format("turned {:.0f} deg in all, heading index {:.2f}", m.turned_deg, m.heading_index));
+  if (f.starts_in_air || f.ends_in_air)
+    text += line("log", fmt::format("{}{}{}", f.starts_in_air ? "begins in the air" : "", f.starts_in_air && f.ends_in_air ? ", " : "",
+                                    f.ends_in_air ? "ends in the air" : ""));
+  text += line("wind", f.trim_can_be_measured ? "yes; the tilt trim is measured along the way"
+                                              : "yes, but wide: the nose hardly turned, so the tilt trim stays unknown");
+  text += line("profile", f.profile_possible ? "yes" : "no: the flight stays within one height");
+  text += line("calibrate", f.can_calibrate ? "yes: the flight moves enough (excitation of 1.5 m/s or more)"
+                                            : "no: the flight moves too little (excitation below 1.5 m/s)");
+  if (!f.advice.empty()) text += "  What would help next time:\n";
+  for (const auto& sentence : f.advice) text += wrapped("  - " + sentence, 79, 4) + "\n";
+  return text;
+}
+
+std::string topics_text(const std::vector<ingest::TopicCount>& topics) {
+  std::string text = fmt::format("  {:<60}{:>10}\n", "topic", "messages");
+  for (const auto& topic : topics) text += fmt::format("  {:<60}{:>10}\n", topic.name, topic.messages);
+  return text;
+}
+
+Json nullable(const std::string& text) { return text.empty() ? Json() : Json(text); }
+
+Json boot_json(const BootFacts& b) {
+  Json streams = Json::array();
+  for (const auto& s : b.streams)
+    streams.push_back({{"name", s.name}, {"source", s.source}, {"samples", s.samples}, {"rate_hz", json_number(s.rate_hz, 3)},
+                       {"longest_gap_s", json_number(s.longest_gap_s, 3)}, {"gaps", s.gaps}});
+  return {{"vehicle", nullable(b.vehicle)},
+          {"autopilot", nullable(b.autopilot)},
+          {"firmware", nullable(b.firmware)},
+          {"airframe", nullable(b.airframe)},
+          {"rotors", b.rotors ? Json(b.rotors) : Json()},
+          {"simulated", b.simulated},
+          {"utc_known", b.utc_uncertainty_s.has_value()},
+          {"utc_uncertainty_s", json_number(b.utc_uncertainty_s, 6)},
+          {"clock_source", nullable(b.clock_source)},
+          {"streams", streams},
+          {"lacking", b.lacking ? json_problem(*b.lacking) : Json()}};
+}
+
+Json flight_json(const FlightFacts& f) {
+  const auto& m = f.manoeuvre;
+  return {{"flight", f.title.flight},
+          {"start_utc", nullable(utc_text(f.title.start))},
+          {"duration_s", json_number(f.title.duration_s, 3)},
+          {"lat_deg", f.title.place ? json_number(f.title.place->lat_deg, 7) : Json()},
+          {"lon_deg", f.title.place ? json_number(f.title.place->lon_deg, 7) : Json()},
+          {"starts_in_air", f.starts_in_air},
+          {"ends_in_air", f.ends_in_air},
+          {"lowest_m", json_number(m.lowest, 2)},
+          {"highest_m", json_number(m.highest, 2)},
+          {"heights_above_takeoff", m.above_takeoff},
+          {"ascents", m.ascents},
+          {"descents", m.descents},
+          {"max_ground_speed_m_s", json_number(m.max_speed, 2)},
+          {"heading_index", json_number(m.heading_index, 4)},
+          {"turned_deg", json_number(m.turned_deg, 0)},
+          {"excitation_m_s", json_number(m.excitation, 4)},
+          {"can_give_wind", true},
+          {"can_measure_trim", f.trim_can_be_measured},
+          {"can_give_profile", f.profile_possible},
+          {"can_calibrate", f.can_calibrate},
+          {"advice", f.advice}};
+}
+
+}  // namespace
+
+std::string info_text(const LogFacts& facts) {
+  auto text = wrapped(fmt::format("{}: {}, {} messages in {} topics{}", facts.file, facts.format, facts.messages, facts.topics.size(),
+                                  facts.salvaged ? fmt::format(", {} of them salvaged", facts.salvaged) : "")) + "\n";
+  for (const auto& [name, value] : facts.details)
+    if (value.find('\n') == std::string::npos) text += line(name.c_str(), value);
+  for (std::size_t i = 0; i < facts.boots.size(); ++i) {
+    const auto& boot = facts.boots[i];
+    text += facts.boots.size() > 1 ? fmt::format("\nBoot {} of the autopilot\n", i + 1) : "\n";
+    text += line("vehicle", vehicle_text(boot)) + line("clock", clock_text(boot)) + streams_text(boot.streams);
+    if (boot.lacking) text += line("no wind", problem_sentence(*boot.lacking));
+  }
+  for (const auto& flight : facts.flights) text += "\n" + flight_text(flight);
+  if (facts.flights.empty() && facts.nothing) {
+    text += "\n" + wrapped("No wind from this log: " + problem_sentence(*facts.nothing)) + "\n";
+    if (facts.boots.empty() && !facts.topics.empty()) text += "\n" + topics_text(facts.topics);
+  }
+  return text;
+}
+
+std::string info_json(const LogFacts& facts) {
+  Json object = {{"schema", "quadsonde.info/1"}, {"version", std::string(version())}, {"file", facts.file}, {"sha256", facts.sha256},
+                 {"format", facts.format}, {"messages", facts.messages}, {"salvaged", facts.salvaged}};
+  Json details = Json::object();
+  for (const auto& [name, value] : facts.details) details[name] = value;
+  object["details"] = details;
+  Json topics = Json::array();
+  for (const auto& topic : facts.topics) topics.push_back({{"name", topic.name}, {"messages", topic.messages}});
+  object["topics"] = topics;
+  Json boots = Json::array(), flights = Json::array();
+  for (const auto& boot : facts.boots) boots.push_back(boot_json(boot));
+  for (const auto& flight : facts.flights) flights.push_back(flight_json(flight));
+  object["boots"] = boots;
+  object["flights"] = flights;
+  object["can_give_wind"] = !facts.flights.empty();
+  object["why_not"] = facts.nothing ? json_problem(*facts.nothing) : Json();
+  object["problems"] = json_problems(facts.problems);
+  return json_text(object);
+}
+
+}  // namespace quadsonde::product

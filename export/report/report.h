@@ -1,0 +1,25 @@
+#pragma once
+// One page about one flight: the answer first, then what it rests on. Complete in itself, nothing is loaded.
+#include <string>
+#include <vector>
+
+#include "export/csv/source.h"
+#include "export/report/profile_picture.h"
+#include "export/report/series_picture.h"
+
+namespace quadsonde::product {
+
+struct Report {
+  FlightTitle title;
+  const estimator::WindSeries* series = nullptr;   ///< needed
+  const estimator::WindSeries* classic = nullptr;
+  const profiles::WindProfile* profile = nullptr;  ///< none: the page shows the wind along the flight only
+  ProductSource source;
+  std::vector<ReferenceLevel> reference;
+  std::vector<std::string> comparison;             ///< sentences on how the answer compares with a reference
+};
+
+/// HTML text. Cannot fail.
+std::string report_html(const Report& report);
+
+}  // namespace quadsonde::product
