@@ -53,7 +53,8 @@ void Console::say(const char* colour, std::string_view label, const std::string&
                     (next.empty() ? "" : "\n" + product::wrapped("  -> " + printable(next), 79, 5));
   if (colour_) {
     const auto from = body.find(label);
-    fmt::print(stderr, "{}\033[{}m{}\033[0m{}\n", body.substr(0, from), colour, label, body.substr(from + label.size()));
+    fmt::print(stderr, "{}\033[{}m{}\033[0m{}\n", body.substr(0, from), colour, label,
+               body.substr(from + label.size()));
   } else {
     fmt::print(stderr, "{}\n", body);
   }
@@ -80,7 +81,8 @@ void Console::progress(std::string_view stage, double share) {
   const std::lock_guard lock(mutex_);
   constexpr int width = 30;
   const int full = static_cast<int>(std::clamp(share, 0.0, 1.0) * width);
-  fmt::print(stderr, "\r[{}{}] {:<30}", std::string(static_cast<std::size_t>(full), '='), std::string(static_cast<std::size_t>(width - full), ' '), stage);
+  fmt::print(stderr, "\r[{}{}] {:<30}", std::string(static_cast<std::size_t>(full), '='),
+             std::string(static_cast<std::size_t>(width - full), ' '), stage);
   std::fflush(stderr);
   bar_shown_ = true;
 }

@@ -42,7 +42,8 @@ auto number_setter(Value& value, double low, double high) {
 
 std::string unit_of(std::string_view name) {
   static constexpr std::pair<std::string_view, std::string_view> units[] = {
-      {"_kg_m3", "kg/m3"}, {"_m_s", "m/s"}, {"_deg_s", "deg/s"}, {"_deg", "deg"}, {"_kg", "kg"}, {"_msl", "m"}, {"_m", "m"}, {"_s", "s"}};
+      {"_kg_m3", "kg/m3"}, {"_m_s", "m/s"}, {"_deg_s", "deg/s"}, {"_deg", "deg"},
+      {"_kg", "kg"},       {"_msl", "m"},   {"_m", "m"},         {"_s", "s"}};
   for (const auto& [ending, unit] : units)
     if (name.ends_with(ending)) return std::string(unit);
   return "";
@@ -77,7 +78,8 @@ void Options::operator()(const char* name, double& value, double low, double hig
   option.set = number_setter(value, low, high);
 }
 
-void Options::operator()(const char* name, std::optional<double>& value, double low, double high, const char* sentence) {
+void Options::operator()(const char* name, std::optional<double>& value, double low, double high,
+                         const char* sentence) {
   auto& option = add(name, sentence);
   option.placeholder = "NUMBER";
   option.facts = facts_of(name, value ? fmt::format("{}", *value) : "not set", range_text(low, high));
@@ -111,7 +113,8 @@ void Options::operator()(const char* name, std::string& value, const char* place
   };
 }
 
-void Options::operator()(const char* name, std::string& value, std::initializer_list<const char*> words, const char* sentence) {
+void Options::operator()(const char* name, std::string& value, std::initializer_list<const char*> words,
+                         const char* sentence) {
   auto& option = add(name, sentence);
   const std::vector<std::string> choices(words.begin(), words.end());
   option.placeholder = fmt::format("{}", fmt::join(choices, "|"));

@@ -17,7 +17,7 @@ struct Option {
   std::string facts;        ///< "m; default 10; 1 to 1000"
   std::string sentence;
   bool is_switch = false, on_by_default = false, repeats = false, is_path = false;
-  bool given = false;       ///< on the command line: it wins over the settings file
+  bool given = false;  ///< on the command line: it wins over the settings file
   /// Takes a value; tells what was expected if it is none of them.
   std::function<std::optional<std::string>(const std::string&)> set;
 };

@@ -16,16 +16,19 @@ using ingest::Kind;
 using ingest::Problem;
 
 std::string overview() {
-  std::string text = "quadsonde: vertical wind profiles from multirotor flight logs\n\nquadsonde VERB INPUT... -o OUTPUT\n\n";
+  std::string text =
+      "quadsonde: vertical wind profiles from multirotor flight logs\n\nquadsonde VERB INPUT... -o OUTPUT\n\n";
   for (const auto& verb : all_verbs()) text += fmt::format("  {:<10} {}\n", verb->name(), verb->summary());
   return text + "\nquadsonde VERB --help tells its settings; quadsonde --version the version.\n";
 }
 
 std::string verb_help(const Verb& verb, const Options& options) {
   const auto foot = product::wrapped(
-      "Every setting may stand under its name, with _ for -, in quadsonde.toml beside the input or in the file given by "
+      "Every setting may stand under its name, with _ for -, in quadsonde.toml beside the input or in the file given "
+      "by "
       "--settings; a flag wins over it.");
-  return fmt::format("quadsonde {} {}\n{}\n\n{}\n{}\n", verb.name(), verb.usage(), product::wrapped(verb.summary()), help_text(options), foot);
+  return fmt::format("quadsonde {} {}\n{}\n\n{}\n{}\n", verb.name(), verb.usage(), product::wrapped(verb.summary()),
+                     help_text(options), foot);
 }
 
 std::set<std::string> every_key() {
@@ -46,7 +49,8 @@ struct Given {
 };
 
 /// Hands argv to CLI11 and the values to the options. Empty if all went well.
-std::optional<Problem> parse(int argc, char** argv, const Verb& verb, Options& options, std::vector<std::string>& inputs, bool& help) {
+std::optional<Problem> parse(int argc, char** argv, const Verb& verb, Options& options,
+                             std::vector<std::string>& inputs, bool& help) {
   CLI::App app;
   app.set_help_flag();
   app.add_flag("-h,--help", help);
@@ -82,8 +86,10 @@ std::optional<Problem> parse(int argc, char** argv, const Verb& verb, Options& o
   return std::nullopt;
 }
 
-std::optional<Problem> read_settings(const CommonSettings& common, const std::vector<std::string>& inputs, Options& options, Console& console) {
-  auto file = common.settings.empty() ? settings_beside(inputs.front()) : std::optional<std::filesystem::path>(common.settings);
+std::optional<Problem> read_settings(const CommonSettings& common, const std::vector<std::string>& inputs,
+                                     Options& options, Console& console) {
+  auto file =
+      common.settings.empty() ? settings_beside(inputs.front()) : std::optional<std::filesystem::path>(common.settings);
   if (!file) return std::nullopt;
   if (auto applied = apply_settings_file(*file, options, every_key()); !applied) return applied.error();
   if (common.settings.empty()) console.note("settings from " + file->string());
@@ -129,7 +135,8 @@ int call_verb(Verb& verb, int argc, char** argv) {
 }  // namespace
 
 void describe(CommonSettings& s, Options& options) {
-  options("output", s.output, "PATH", "Where the result goes; its ending decides the format. Left out: a short answer is printed.");
+  options("output", s.output, "PATH",
+          "Where the result goes; its ending decides the format. Left out: a short answer is printed.");
   options.last().letter = 'o';
   options("json", s.json, "Print the answer as JSON.");
   options("force", s.force, "Overwrite outputs that are already there.");

@@ -30,7 +30,8 @@ std::string placed(const Option& option, const std::string& text, const std::fil
 
 ingest::Result<void> apply(Option& option, const toml::node& node, const std::filesystem::path& file) {
   const auto complain = [&](const std::string& what) {
-    return fail(Kind::usage, what, {file.string(), {}, node.source().begin.line, option.key}, "correct the settings file and run again");
+    return fail(Kind::usage, what, {file.string(), {}, node.source().begin.line, option.key},
+                "correct the settings file and run again");
   };
   std::vector<const toml::node*> values;
   if (const auto* array = node.as_array(); array && option.repeats)
@@ -59,7 +60,8 @@ ingest::Result<void> apply_settings_file(const std::filesystem::path& file, Opti
   std::ifstream stream(file, std::ios::binary);
   std::error_code error;
   if (!stream || std::filesystem::is_directory(file, error))
-    return fail(Kind::usage, "the settings file cannot be opened", {file.string(), {}, {}, {}}, "check the path given to --settings");
+    return fail(Kind::usage, "the settings file cannot be opened", {file.string(), {}, {}, {}},
+                "check the path given to --settings");
   const std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
   const auto table = ingest::parse_toml(text, file.string());
   if (!table) return fail(table.error());
@@ -68,7 +70,8 @@ ingest::Result<void> apply_settings_file(const std::filesystem::path& file, Opti
     auto* option = options.find(key);
     if (!option && known_elsewhere.count(key)) continue;
     if (!option)
-      return fail(Kind::usage, "no verb knows this setting", {file.string(), {}, node.source().begin.line, std::string(name.str())},
+      return fail(Kind::usage, "no verb knows this setting",
+                  {file.string(), {}, node.source().begin.line, std::string(name.str())},
                   "see `quadsonde VERB --help` for the names");
     if (option->given) continue;
     if (auto applied = apply(*option, node, file); !applied) return applied;

@@ -15,7 +15,9 @@ namespace quadsonde::cli {
 
 /// Exit codes of design/CLI.md.
 inline constexpr int complete = 0, no_answer = 1, wrong_usage = 2, with_doubts = 3, interrupted = 130;
-inline int exit_code(const ingest::Problem& problem) { return problem.kind == ingest::Kind::usage ? wrong_usage : no_answer; }
+inline int exit_code(const ingest::Problem& problem) {
+  return problem.kind == ingest::Kind::usage ? wrong_usage : no_answer;
+}
 
 /// What every verb takes.
 struct CommonSettings {

@@ -69,19 +69,23 @@ int AnswerVerb::write(const Call& call, const std::vector<product::FlightRun>& r
   };
   if (format == product::Format::json && runs.size() > 1) {
     std::vector<std::string> objects;
-    for (const auto& run : runs) objects.push_back(render(run.answer, format));
+    for (const auto& run : runs) objects.push_back(*render(run.answer, format));
     if (auto done = outputs.add(path, product::json_list(objects)); !done) return finish(done);
     return finish(outputs.commit());
   }
-  for (const auto& run : runs)
-    if (auto done = outputs.add(numbered(path, run.answer.part.number, runs.size() > 1), render(run.answer, format)); !done) return finish(done);
+  for (const auto& run : runs) {
+    const auto content = render(run.answer, format);
+    if (!content) return finish(ingest::fail(content.error()));
+    if (auto done = outputs.add(numbered(path, run.answer.part.number, runs.size() > 1), *content); !done)
+      return finish(done);
+  }
   return finish(outputs.commit());
 }
 
 void AnswerVerb::print(const Call& call, const std::vector<product::FlightRun>& runs) {
   if (call.common.json) {
     std::vector<std::string> objects;
-    for (const auto& run : runs) objects.push_back(render(run.answer, product::Format::json));
+    for (const auto& run : runs) objects.push_back(*render(run.answer, product::Format::json));
     call.console.print(objects.size() == 1 ? objects.front() : product::json_list(objects));
     return;
   }
@@ -96,12 +100,21 @@ int AnswerVerb::run(const Call& call) {
     return wrong_usage;
   };
   if (output && !product::format_of(*output))
-    return refuse({Kind::usage, "this ending names no format of an answer", {output->string(), {}, {}, {}}, "use .csv, .json, .svg or .html"});
+    return refuse({Kind::usage,
+                   "this ending names no format of an answer",
+                   {output->string(), {}, {}, {}},
+                   "use .csv, .json, .nc, .svg or .html"});
   std::error_code error;
   if (output && !call.common.force && std::filesystem::exists(*output, error))
-    return refuse({Kind::usage, "this file is already there", {output->string(), {}, {}, {}}, "name another output or allow overwriting with --force"});
+    return refuse({Kind::usage,
+                   "this file is already there",
+                   {output->string(), {}, {}, {}},
+                   "name another output or allow overwriting with --force"});
   if (output && call.inputs.size() > 1 && product::format_of(*output) != product::Format::json)
-    return refuse({Kind::usage, "one file of this format holds one log", {output->string(), {}, {}, {}}, "give one log, or -o X.json"});
+    return refuse({Kind::usage,
+                   "one file of this format holds one log",
+                   {output->string(), {}, {}, {}},
+                   "give one log, or -o X.json"});
   int code = complete;
   const auto runs = collect(call, code);
   if (runs.empty() || call.control.stopped()) return code;

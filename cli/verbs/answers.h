@@ -16,7 +16,7 @@ void tell(Console& console, const product::RunResult& result);
 /// X.csv, or X-N.csv where several flights were chosen.
 std::filesystem::path numbered(const std::filesystem::path& path, int flight, bool several);
 
-using Render = std::function<std::string(const product::FlightAnswer&, product::Format)>;
+using Render = std::function<ingest::Result<std::string>(const product::FlightAnswer&, product::Format)>;
 using Say = std::function<std::string(const product::FlightAnswer&)>;
 
 /// Answers for each input, printed or written as the call asks.

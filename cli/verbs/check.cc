@@ -1,6 +1,7 @@
+#include "export/pipeline/check.h"
+
 #include "cli/verbs/answers.h"
 #include "export/csv/tables.h"
-#include "export/pipeline/check.h"
 
 namespace quadsonde::cli {
 namespace {
@@ -26,7 +27,8 @@ class CheckVerb : public Verb {
     bool failed = false, wrong = false, doubts = false;
   };
 
-  void check_log(const Call& call, const std::filesystem::path& input, std::vector<product::CheckAnswer>& answers, Tally& tally) {
+  void check_log(const Call& call, const std::filesystem::path& input, std::vector<product::CheckAnswer>& answers,
+                 Tally& tally) {
     const auto fail = [&](const ingest::Problem& problem) {
       call.console.error(problem);
       (problem.kind == ingest::Kind::usage ? tally.wrong : tally.failed) = true;
@@ -56,7 +58,8 @@ class CheckVerb : public Verb {
   int give(const Call& call, const std::vector<product::CheckAnswer>& answers) {
     std::vector<std::string> texts;
     const bool json = call.common.json || call.output();
-    for (const auto& answer : answers) texts.push_back(json ? product::check_json(answer) : product::check_text(answer));
+    for (const auto& answer : answers)
+      texts.push_back(json ? product::check_json(answer) : product::check_text(answer));
     if (!json) {
       for (std::size_t i = 0; i < texts.size(); ++i) call.console.print((i ? "\n" : "") + texts[i]);
       return complete;

@@ -32,10 +32,14 @@ class ConvertVerb : public Verb {
     if (!output) return fail({Kind::usage, "convert needs an output", {}, "give -o X.mcap or -o X.csv"});
     const auto ending = output->extension();
     if (ending != ".mcap" && ending != ".csv")
-      return fail({Kind::usage, "this ending names no format of a log", {output->string(), {}, {}, {}}, "use .mcap or .csv"});
+      return fail(
+          {Kind::usage, "this ending names no format of a log", {output->string(), {}, {}, {}}, "use .mcap or .csv"});
     std::error_code error;
     if (!call.common.force && std::filesystem::exists(*output, error))
-      return fail({Kind::usage, "this file is already there", {output->string(), {}, {}, {}}, "name another output or allow overwriting with --force"});
+      return fail({Kind::usage,
+                   "this file is already there",
+                   {output->string(), {}, {}, {}},
+                   "name another output or allow overwriting with --force"});
     const auto log = product::load_log(call.inputs.front(), input_, call.control);
     if (!log) return fail(log.error());
     std::vector<ingest::Problem> notes = log->content.problems;
@@ -44,7 +48,8 @@ class ConvertVerb : public Verb {
     notes.insert(notes.end(), (*boot)->problems.begin(), (*boot)->problems.end());
     call.console.warnings(notes);
     product::Outputs outputs(call.common.force, call.control);
-    auto done = ending == ".csv" ? outputs.add(*output, product::flight_csv(**boot)) : outputs.add_flight(*output, **boot);
+    auto done =
+        ending == ".csv" ? outputs.add(*output, product::flight_csv(**boot)) : outputs.add_flight(*output, **boot);
     if (done) done = outputs.commit();
     if (!done) return fail(done.error());
     return notes.empty() ? complete : with_doubts;
@@ -52,7 +57,8 @@ class ConvertVerb : public Verb {
 
  private:
   /// One boot of the autopilot, whole: the one of the flight asked for, else of the longest, else the only one.
-  ingest::Result<std::shared_ptr<const ingest::Flight>> choose(const product::LoadedLog& log, std::vector<ingest::Problem>& notes) {
+  ingest::Result<std::shared_ptr<const ingest::Flight>> choose(const product::LoadedLog& log,
+                                                               std::vector<ingest::Problem>& notes) {
     if (log.boots.empty()) return ingest::fail(*log.nothing);
     if (log.boots.size() == 1 && flight_.flight.empty()) return log.boots.front();
     if (log.parts.empty()) return log.boots.front();
@@ -60,8 +66,11 @@ class ConvertVerb : public Verb {
     const auto chosen = product::choose_flights(log, flight_.flight == "all" ? "" : flight_.flight, false, longest);
     if (!chosen) return ingest::fail(chosen.error());
     if (log.boots.size() > 1 && flight_.flight.empty())
-      notes.push_back({Kind::doubtful, fmt::format("the log has {} boots of the autopilot; this is the one of the longest flight", log.boots.size()),
-                       {log.path.string(), {}, {}, {}}, "choose another by one of its flights: --flight N"});
+      notes.push_back({Kind::doubtful,
+                       fmt::format("the log has {} boots of the autopilot; this is the one of the longest flight",
+                                   log.boots.size()),
+                       {log.path.string(), {}, {}, {}},
+                       "choose another by one of its flights: --flight N"});
     return chosen->front().boot;
   }
 

@@ -7,7 +7,7 @@ namespace {
 class EstimateVerb : public Verb {
  public:
   std::string name() const override { return "estimate"; }
-  std::string usage() const override { return "LOG -o X.csv|.json|.svg"; }
+  std::string usage() const override { return "LOG -o X.csv|.json|.nc|.svg"; }
   std::string summary() const override { return "the wind along a flight, with its uncertainty"; }
   void describe(Options& options) override {
     auto& s = verb_.settings;
@@ -20,7 +20,9 @@ class EstimateVerb : public Verb {
   int run(const Call& call) override {
     verb_.want_profile = false;
     verb_.render = product::render_wind;
-    verb_.say = [](const product::FlightAnswer& a) { return product::wind_answer(a.title, a.series, a.source.vehicle); };
+    verb_.say = [](const product::FlightAnswer& a) {
+      return product::wind_answer(a.title, a.series, a.source.vehicle);
+    };
     return verb_.run(call);
   }
 

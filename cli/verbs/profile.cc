@@ -11,7 +11,7 @@ std::string profile_of(const product::FlightAnswer& a) {
 class ProfileVerb : public Verb {
  public:
   std::string name() const override { return "profile"; }
-  std::string usage() const override { return "LOG... -o X.csv|.json|.svg|.html"; }
+  std::string usage() const override { return "LOG... -o X.csv|.json|.nc|.svg|.html"; }
   std::string summary() const override { return "the vertical wind profile of a flight"; }
   void describe(Options& options) override { product::describe(verb_.settings, options); }
   int run(const Call& call) override {

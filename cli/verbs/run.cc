@@ -17,7 +17,8 @@ class RunVerb : public Verb {
   std::string summary() const override { return "the whole job: a folder with tables, picture and report per flight"; }
   void describe(Options& options) override {
     product::describe(settings_, options);
-    options.list("reference", references_, "FILE.csv", "Tables of the true wind (time_s, height_agl_m, wind_east_m_s, ...) to compare with.");
+    options.list("reference", references_, "FILE.csv",
+                 "Tables of the true wind (time_s, height_agl_m, wind_east_m_s, ...) to compare with.");
   }
 
   int run(const Call& call) override {
@@ -27,7 +28,9 @@ class RunVerb : public Verb {
     bool any = false, failed = false;
     for (const auto& input : call.inputs) {
       if (call.control.stopped()) break;
-      product::RunRequest request{input, call.output(), {references_.begin(), references_.end()}, settings_, true, true, true, call.common.force};
+      product::RunRequest request{
+          input, call.output(),    {references_.begin(), references_.end()}, settings_, true, true,
+          true,  call.common.force};
       const auto result = product::run_log(request, call.control);
       if (!result) {
         call.console.error(result.error());
@@ -40,7 +43,8 @@ class RunVerb : public Verb {
       if (result->with_doubts()) code = std::max(code == wrong_usage ? 0 : code, with_doubts);
       for (const auto& flight : result->flights) answer(call, flight, printed);
     }
-    if (call.common.json && !printed.empty()) call.console.print(printed.size() == 1 ? printed.front() : product::json_list(printed));
+    if (call.common.json && !printed.empty())
+      call.console.print(printed.size() == 1 ? printed.front() : product::json_list(printed));
     if (!any) return code == wrong_usage ? wrong_usage : no_answer;
     return failed ? with_doubts : code;
   }
@@ -56,9 +60,12 @@ class RunVerb : public Verb {
                           : product::wind_answer(a.title, a.series, a.source.vehicle);
     if (a.comparison) {
       text += "\nAgainst " + a.comparison->file + ":\n";
-      for (const auto& sentence : product::comparison_sentences(*a.comparison)) text += product::wrapped("- " + sentence, 79, 2) + "\n";
+      for (const auto& sentence : product::comparison_sentences(*a.comparison))
+        text += product::wrapped("- " + sentence, 79, 2) + "\n";
     }
-    if (!run.folder.empty()) text += "\n" + run.folder.string() + ":\n" + product::wrapped(fmt::format("  {}", fmt::join(run.files, ", ")), 79, 2) + "\n";
+    if (!run.folder.empty())
+      text += "\n" + run.folder.string() + ":\n" +
+              product::wrapped(fmt::format("  {}", fmt::join(run.files, ", ")), 79, 2) + "\n";
     call.console.print((printed.empty() ? "" : "\n") + text);
     printed.push_back({});
   }

@@ -20,7 +20,9 @@ class SimulateVerb : public Verb {
   std::string usage() const override { return "SCENARIO.toml -o X.mcap|.csv --truth T.csv"; }
   std::string summary() const override { return "a flight in a known wind, for tests, teaching and planning"; }
   std::size_t most_inputs() const override { return 1; }
-  void describe(Options& options) override { options("truth", truth_, "T.csv", "Where the wind that was really there is written."); }
+  void describe(Options& options) override {
+    options("truth", truth_, "T.csv", "Where the wind that was really there is written.");
+  }
 
   int run(const Call& call) override {
     const auto fail = [&](const ingest::Problem& problem) {
@@ -29,7 +31,8 @@ class SimulateVerb : public Verb {
     };
     const auto output = call.output();
     if (output && output->extension() != ".mcap" && output->extension() != ".csv")
-      return fail({Kind::usage, "this ending names no format of a log", {output->string(), {}, {}, {}}, "use .mcap or .csv"});
+      return fail(
+          {Kind::usage, "this ending names no format of a log", {output->string(), {}, {}, {}}, "use .mcap or .csv"});
     const auto scenario = ingest::read_scenario(call.inputs.front());
     if (!scenario) return fail(scenario.error());
     call.control.report("flying", 0.1);
@@ -37,7 +40,8 @@ class SimulateVerb : public Verb {
     if (!simulation) return fail(simulation.error());
     call.control.report("writing", 0.8);
     if (auto done = write(call, *simulation); !done) return fail(done.error());
-    if (!output || call.common.json) call.console.print(call.common.json ? facts_json(*scenario, *simulation) : facts_text(*scenario, *simulation));
+    if (!output || call.common.json)
+      call.console.print(call.common.json ? facts_json(*scenario, *simulation) : facts_text(*scenario, *simulation));
     return complete;
   }
 
@@ -66,7 +70,8 @@ class SimulateVerb : public Verb {
       f.low = std::min(f.low, t.height.m), f.high = std::max(f.high, t.height.m);
       f.slowest = std::min(f.slowest, speed), f.fastest = std::max(f.fastest, speed);
     }
-    if (!simulation.truth.empty()) f.duration = ingest::to_seconds(simulation.truth.back().time - simulation.truth.front().time);
+    if (!simulation.truth.empty())
+      f.duration = ingest::to_seconds(simulation.truth.back().time - simulation.truth.front().time);
     return f;
   }
   static std::string facts_text(const ingest::Scenario& scenario, const ingest::Simulation& simulation) {
@@ -76,9 +81,12 @@ class SimulateVerb : public Verb {
   }
   static std::string facts_json(const ingest::Scenario& scenario, const ingest::Simulation& simulation) {
     const auto f = facts_of(simulation);
-    return product::json_text({{"schema", "quadsonde.simulation/1"}, {"scenario", scenario.name},
-                               {"duration_s", product::json_number(f.duration, 3)}, {"lowest_m", product::json_number(f.low, 2)},
-                               {"highest_m", product::json_number(f.high, 2)}, {"slowest_wind_m_s", product::json_number(f.slowest, 4)},
+    return product::json_text({{"schema", "quadsonde.simulation/1"},
+                               {"scenario", scenario.name},
+                               {"duration_s", product::json_number(f.duration, 3)},
+                               {"lowest_m", product::json_number(f.low, 2)},
+                               {"highest_m", product::json_number(f.high, 2)},
+                               {"slowest_wind_m_s", product::json_number(f.slowest, 4)},
                                {"fastest_wind_m_s", product::json_number(f.fastest, 4)}});
   }
 

@@ -49,7 +49,8 @@ void add_motion(std::vector<Group>& groups, const Flight& f) {
                     }});
   groups.push_back(vector_group({"vn_m_s", "ve_m_s", "vd_m_s"}, f.velocity));
   if (f.velocity.sd.size() == f.velocity.size())
-    groups.push_back({{"sd_velocity_m_s"}, &f.velocity.time, [&f](std::size_t i) { return std::vector{exact(f.velocity.sd[i])}; }});
+    groups.push_back(
+        {{"sd_velocity_m_s"}, &f.velocity.time, [&f](std::size_t i) { return std::vector{exact(f.velocity.sd[i])}; }});
   groups.push_back({{"lat_deg", "lon_deg"}, &f.position.time, [&f](std::size_t i) {
                       return std::vector{exact(f.position.value[i].lat_deg), exact(f.position.value[i].lon_deg)};
                     }});
@@ -59,17 +60,20 @@ void add_motion(std::vector<Group>& groups, const Flight& f) {
 }
 
 void add_sensors(std::vector<Group>& groups, const Flight& f) {
-  groups.push_back({{"baro_alt_m", "pressure_pa"}, &f.barometer.time, [&f](std::size_t i) {
-                      return std::vector{exact(f.barometer.value[i].altitude_m), exact(f.barometer.value[i].pressure_pa)};
-                    }});
-  groups.push_back({{"temperature_k", "relative_humidity_pct"}, &f.air.time, [&f](std::size_t i) {
-                      return std::vector{exact(f.air.value[i].temperature_k), exact(f.air.value[i].relative_humidity_pct)};
-                    }});
+  groups.push_back(
+      {{"baro_alt_m", "pressure_pa"}, &f.barometer.time, [&f](std::size_t i) {
+         return std::vector{exact(f.barometer.value[i].altitude_m), exact(f.barometer.value[i].pressure_pa)};
+       }});
+  groups.push_back(
+      {{"temperature_k", "relative_humidity_pct"}, &f.air.time, [&f](std::size_t i) {
+         return std::vector{exact(f.air.value[i].temperature_k), exact(f.air.value[i].relative_humidity_pct)};
+       }});
   groups.push_back(vector_group({"ax_m_s2", "ay_m_s2", "az_m_s2"}, f.accelerometer));
   std::size_t rotors = 0;
   for (const auto& speeds : f.rotors.value) rotors = std::max(rotors, speeds.size());
   std::vector<std::string> names;
-  for (std::size_t i = 0; i < std::min<std::size_t>(rotors, 64); ++i) names.push_back(fmt::format("rotor_{}_rpm", i + 1));
+  for (std::size_t i = 0; i < std::min<std::size_t>(rotors, 64); ++i)
+    names.push_back(fmt::format("rotor_{}_rpm", i + 1));
   groups.push_back({names, &f.rotors.time, [&f, rotors = names.size()](std::size_t i) {
                       std::vector<std::string> cells(rotors);
                       const auto& speeds = f.rotors.value[i];

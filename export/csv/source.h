@@ -18,9 +18,9 @@ struct NamedSetting {
 };
 
 struct ProductSource {
-  std::string file;     ///< name without folders: a product says nothing about the machine it was made on
-  std::string sha256;   ///< of the file
-  int flight = 1;       ///< which airborne part of the file, from 1
+  std::string file;    ///< name without folders: a product says nothing about the machine it was made on
+  std::string sha256;  ///< of the file
+  int flight = 1;      ///< which airborne part of the file, from 1
   ingest::Vehicle vehicle;
   std::vector<NamedSetting> settings;
   std::vector<ingest::Problem> problems;  ///< all that were met on the way, of every stage

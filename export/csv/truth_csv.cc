@@ -84,8 +84,8 @@ ingest::Result<ingest::Truth> parse_truth_csv(std::string_view text, const std::
     for (std::size_t c = 0; c < columns.size(); ++c) {
       const auto value = at[c] < parts.size() ? number(parts[at[c]]) : std::nullopt;
       if (!value)
-        return fail(Kind::damaged, "expected a finite number here",
-                    {file, {}, line_number, std::string(columns[c])}, "correct or remove the line");
+        return fail(Kind::damaged, "expected a finite number here", {file, {}, line_number, std::string(columns[c])},
+                    "correct or remove the line");
       values[c] = *value;
     }
     const ingest::LogTime time{ingest::seconds(values[0]).count()};

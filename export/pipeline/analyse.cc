@@ -15,15 +15,21 @@ using ingest::Problem;
 struct Collector {
   std::vector<NamedSetting>& settings;
   template <class... More>
-  void operator()(const char* name, const std::string& value, const More&...) { settings.push_back({name, value}); }
+  void operator()(const char* name, const std::string& value, const More&...) {
+    settings.push_back({name, value});
+  }
   template <class... More>
   void operator()(const char* name, const std::string& value, std::initializer_list<const char*>, const More&...) {
     settings.push_back({name, value});
   }
   template <class... More>
-  void operator()(const char* name, bool value, const More&...) { settings.push_back({name, value}); }
+  void operator()(const char* name, bool value, const More&...) {
+    settings.push_back({name, value});
+  }
   template <class... More>
-  void operator()(const char* name, double value, const More&...) { settings.push_back({name, value}); }
+  void operator()(const char* name, double value, const More&...) {
+    settings.push_back({name, value});
+  }
   template <class... More>
   void operator()(const char* name, const std::optional<double>& value, const More&...) {
     settings.push_back({name, value ? SettingValue(*value) : SettingValue()});
@@ -34,7 +40,8 @@ bool same(const Problem& a, const Problem& b) { return ingest::to_string(a) == i
 
 void add_once(std::vector<Problem>& all, const std::vector<Problem>& more) {
   for (const auto& problem : more)
-    if (std::none_of(all.begin(), all.end(), [&](const Problem& p) { return same(p, problem); })) all.push_back(problem);
+    if (std::none_of(all.begin(), all.end(), [&](const Problem& p) { return same(p, problem); }))
+      all.push_back(problem);
 }
 
 FlightTitle title_of(const LoadedLog& log, const FlightPart& part) {
@@ -61,7 +68,9 @@ std::optional<Problem> keep_legs(profiles::WindProfile& profile, const std::stri
   if (wanted == "each") return std::nullopt;
   std::erase_if(profile.legs, [&](const profiles::Leg& leg) { return profiles::name(leg.name) != wanted; });
   if (!profile.legs.empty()) return std::nullopt;
-  return Problem{Kind::no_answer, fmt::format("the flight has no leg \"{}\": it never climbs or descends by one bin", wanted), {},
+  return Problem{Kind::no_answer,
+                 fmt::format("the flight has no leg \"{}\": it never climbs or descends by one bin", wanted),
+                 {},
                  "ask for --leg all or smaller bins with --bin-m"};
 }
 
@@ -70,13 +79,16 @@ bool has_wind(const estimator::WindSeries& series) {
                      [](const auto& p) { return std::holds_alternative<estimator::WindEstimate>(p.wind); });
 }
 
-ingest::Result<void> add_series(FlightAnswer& answer, const ingest::Vehicle& vehicle, const PipelineSettings& settings, bool classic) {
+ingest::Result<void> add_series(FlightAnswer& answer, const ingest::Vehicle& vehicle, const PipelineSettings& settings,
+                                bool classic) {
   const auto flight = answer.part.airborne();
   auto estimate = settings.estimate;
   estimate.takeoff = answer.part.takeoff;
   auto series = estimator::estimate_wind(flight, vehicle, estimate);
   if (!series) return fail(series.error());
-  if (!has_wind(*series)) return fail(Kind::no_answer, "no instant of this flight has a wind", {}, "see `quadsonde info` for what the log lacks");
+  if (!has_wind(*series))
+    return fail(Kind::no_answer, "no instant of this flight has a wind", {},
+                "see `quadsonde info` for what the log lacks");
   answer.series = std::move(*series);
   add_once(answer.source.problems, answer.series.problems);
   if (!classic || settings.estimate.mode == estimator::Mode::classic) return {};
@@ -90,7 +102,9 @@ void add_comparison(FlightAnswer& answer, const ingest::Truth& truth, const std:
                                          answer.profile ? &*answer.profile : nullptr, truth);
   answer.comparison->file = std::filesystem::path(file).filename().string();
   if (answer.comparison->samples.n == 0)
-    add_once(answer.source.problems, {{Kind::missing, "the reference has no instant in common with the flight", {file, {}, {}, {}},
+    add_once(answer.source.problems, {{Kind::missing,
+                                       "the reference has no instant in common with the flight",
+                                       {file, {}, {}, {}},
                                        "give the truth of this flight, on the same clock"}});
 }
 
@@ -140,7 +154,9 @@ ingest::Result<VehicleInUse> choose_vehicle(const DragSettings& settings, const 
   auto flown = ingest::flown_at(*vehicle, settings.mass_kg, vehicle->air_density_kg_m3);
   if (!flown) return fail(flown.error());
   if (settings.mass_kg && !vehicle->mass_kg)
-    use.notes.push_back({Kind::doubtful, "--mass-kg changes nothing here: the class prior has no mass to scale from", {},
+    use.notes.push_back({Kind::doubtful,
+                         "--mass-kg changes nothing here: the class prior has no mass to scale from",
+                         {},
                          "give a vehicle file with mass_kg"});
   use.vehicle = std::move(*flown);
   return use;
@@ -156,8 +172,10 @@ ingest::Result<FlightAnswer> analyse(const LoadedLog& log, const FlightPart& par
   add_once(problems, part.problems);
   add_once(problems, vehicle.notes);
   if (part.boot->vehicle.airframe == ingest::Airframe::helicopter)
-    add_once(problems, {{Kind::doubtful, "the log is of a helicopter; only what it flies like a multirotor can be trusted",
-                         {log.path.string(), {}, {}, {}}, "judge the result by its quality and reasons"}});
+    add_once(problems, {{Kind::doubtful,
+                         "the log is of a helicopter; only what it flies like a multirotor can be trusted",
+                         {log.path.string(), {}, {}, {}},
+                         "judge the result by its quality and reasons"}});
   control.report("estimating the wind", 0.3);
   if (auto done = add_series(answer, vehicle.vehicle, settings, wanted.classic); !done) {
     auto problem = control.stopped() ? stopped_problem() : done.error();

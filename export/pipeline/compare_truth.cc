@@ -23,7 +23,8 @@ constexpr double interval95 = 1.96;
 
 /// The truth at an instant; empty outside of it, or where its neighbours are more than 2 s apart.
 std::optional<Eigen::Vector2d> truth_at(const ingest::Truth& truth, ingest::LogTime t) {
-  const auto after = std::lower_bound(truth.begin(), truth.end(), t, [](const auto& a, ingest::LogTime b) { return a.time < b; });
+  const auto after =
+      std::lower_bound(truth.begin(), truth.end(), t, [](const auto& a, ingest::LogTime b) { return a.time < b; });
   if (after == truth.end()) return std::nullopt;
   if (after->time == t) return after->v_NA_N.head<2>();
   if (after == truth.begin()) return std::nullopt;
@@ -195,19 +196,25 @@ std::vector<std::string> comparison_sentences(const TruthComparison& comparison)
   const auto& s = comparison.samples;
   if (s.n == 0) return {"The reference has no instant in common with the flight: nothing could be compared."};
   const auto share = [](const Scores& scores) {
-    return scores.inside95 ? fmt::format(", {:.0f} % of the 95 % intervals hold it", 100 * *scores.inside95) : std::string();
+    return scores.inside95 ? fmt::format(", {:.0f} % of the 95 % intervals hold it", 100 * *scores.inside95)
+                           : std::string();
   };
-  all.push_back(fmt::format("Every instant ({}): vector error {:.2f} m/s rms, speed {:+.2f} m/s on average{}.", s.n, s.rmsve, s.bias_speed, share(s)));
+  all.push_back(fmt::format("Every instant ({}): vector error {:.2f} m/s rms, speed {:+.2f} m/s on average{}.", s.n,
+                            s.rmsve, s.bias_speed, share(s)));
   for (const auto& leg : comparison.legs) {
     if (!leg.scores.n) continue;
-    const char* name = leg.name == profiles::LegName::up ? "Ascent" : leg.name == profiles::LegName::down ? "Descent" : "Whole flight";
-    auto text = fmt::format("{}, {} bins: vector error {:.2f} m/s rms, speed {:+.2f} m/s on average", name, leg.scores.n,
-                            leg.scores.rmsve, leg.scores.bias_speed);
+    const char* name = leg.name == profiles::LegName::up     ? "Ascent"
+                       : leg.name == profiles::LegName::down ? "Descent"
+                                                             : "Whole flight";
+    auto text = fmt::format("{}, {} bins: vector error {:.2f} m/s rms, speed {:+.2f} m/s on average", name,
+                            leg.scores.n, leg.scores.rmsve, leg.scores.bias_speed);
     if (leg.scores.rms_direction) text += fmt::format(", direction {:.1f} degrees rms", *leg.scores.rms_direction);
     all.push_back(text + share(leg.scores) + ".");
   }
   if (comparison.classic && comparison.classic->n)
-    all.push_back(fmt::format("The published four-state filter on the same flight, after 60 s: vector error {:.2f} m/s rms.", comparison.classic->rmsve));
+    all.push_back(
+        fmt::format("The published four-state filter on the same flight, after 60 s: vector error {:.2f} m/s rms.",
+                    comparison.classic->rmsve));
   return all;
 }
 
@@ -220,11 +227,16 @@ std::string comparison_json(const TruthComparison& comparison, const std::string
   for (const auto& leg : comparison.legs) {
     Json layers = Json::array();
     for (const auto& b : leg.bins)
-      layers.push_back({{"bin_bottom_m", json_number(b.bottom, 2)}, {"bin_top_m", json_number(b.top, 2)}, {"samples", b.samples},
-                        {"wind_east_m_s", json_number(b.ours.y(), 4)}, {"wind_north_m_s", json_number(b.ours.x(), 4)},
-                        {"reference_east_m_s", json_number(b.reference.y(), 4)}, {"reference_north_m_s", json_number(b.reference.x(), 4)},
+      layers.push_back({{"bin_bottom_m", json_number(b.bottom, 2)},
+                        {"bin_top_m", json_number(b.top, 2)},
+                        {"samples", b.samples},
+                        {"wind_east_m_s", json_number(b.ours.y(), 4)},
+                        {"wind_north_m_s", json_number(b.ours.x(), 4)},
+                        {"reference_east_m_s", json_number(b.reference.y(), 4)},
+                        {"reference_north_m_s", json_number(b.reference.x(), 4)},
                         {"inside95", b.inside95}});
-    legs.push_back({{"leg", std::string(profiles::name(leg.name))}, {"scores", scores_json(leg.scores)}, {"layers", layers}});
+    legs.push_back(
+        {{"leg", std::string(profiles::name(leg.name))}, {"scores", scores_json(leg.scores)}, {"layers", layers}});
   }
   reference["legs"] = std::move(legs);
   object["references"] = Json::array({reference});

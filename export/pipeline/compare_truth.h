@@ -17,11 +17,11 @@ struct Scores {
   std::size_t n = 0;
   double bias_east = 0, bias_north = 0, bias_speed = 0;
   double rmse_east = 0, rmse_north = 0, rmse_speed = 0;
-  double rmsve = 0;                             ///< root mean square vector error
-  std::size_t n_direction = 0;                  ///< pairs with a direction on both sides
+  double rmsve = 0;             ///< root mean square vector error
+  std::size_t n_direction = 0;  ///< pairs with a direction on both sides
   std::optional<double> bias_direction, rms_direction;
-  std::optional<double> inside95;               ///< share of component intervals that hold the reference
-  std::optional<double> normalised_error;       ///< mean of e' C^-1 e / 2: 1 when the covariance is right
+  std::optional<double> inside95;          ///< share of component intervals that hold the reference
+  std::optional<double> normalised_error;  ///< mean of e' C^-1 e / 2: 1 when the covariance is right
 };
 
 /// One bin beside the reference's mean over the same time.
@@ -29,7 +29,7 @@ struct ScoredBin {
   double bottom = 0, top = 0;
   std::size_t samples = 0;
   Eigen::Vector2d ours = Eigen::Vector2d::Zero(), reference = Eigen::Vector2d::Zero();  ///< N, E
-  bool inside95 = true;                         ///< both components
+  bool inside95 = true;                                                                 ///< both components
 };
 struct ScoredLeg {
   profiles::LegName name;
@@ -38,11 +38,11 @@ struct ScoredLeg {
 };
 
 struct TruthComparison {
-  std::string file;                             ///< of the reference
-  Scores samples;                               ///< every instant with a wind
-  std::optional<Scores> classic;                ///< the published filter, after its first 60 s
+  std::string file;               ///< of the reference
+  Scores samples;                 ///< every instant with a wind
+  std::optional<Scores> classic;  ///< the published filter, after its first 60 s
   std::vector<ScoredLeg> legs;
-  std::vector<ReferenceLevel> levels;           ///< mean of the truth in every bin of the whole flight, for pictures
+  std::vector<ReferenceLevel> levels;  ///< mean of the truth in every bin of the whole flight, for pictures
 };
 
 /// Compares at the series' own times, the truth linear between its samples. Without a pair of times in common the

@@ -24,14 +24,16 @@ void add_stream(std::vector<StreamFacts>& all, const char* name, const ingest::S
   if (stream.empty()) return;
   StreamFacts facts{name, stream.source, stream.size(), {}, {}, 0};
   std::vector<double> steps;
-  for (std::size_t i = 1; i < stream.size(); ++i) steps.push_back(ingest::to_seconds(stream.time[i] - stream.time[i - 1]));
+  for (std::size_t i = 1; i < stream.size(); ++i)
+    steps.push_back(ingest::to_seconds(stream.time[i] - stream.time[i - 1]));
   if (!steps.empty()) {
     auto sorted = steps;
     const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
     std::nth_element(sorted.begin(), middle, sorted.end());
     if (*middle > 0) facts.rate_hz = 1 / *middle;
     facts.longest_gap_s = *std::max_element(steps.begin(), steps.end());
-    facts.gaps = static_cast<std::size_t>(std::count_if(steps.begin(), steps.end(), [&](double s) { return s > 1 && s > 5 * *middle; }));
+    facts.gaps = static_cast<std::size_t>(
+        std::count_if(steps.begin(), steps.end(), [&](double s) { return s > 1 && s > 5 * *middle; }));
   }
   all.push_back(std::move(facts));
 }
@@ -56,12 +58,18 @@ std::vector<StreamFacts> stream_facts(const Flight& f) {
 
 std::string airframe_word(ingest::Airframe airframe) {
   switch (airframe) {
-    case ingest::Airframe::multirotor: return "multirotor";
-    case ingest::Airframe::helicopter: return "helicopter";
-    case ingest::Airframe::fixed_wing: return "fixed wing";
-    case ingest::Airframe::vtol: return "VTOL";
-    case ingest::Airframe::other: return "other";
-    case ingest::Airframe::unknown: break;
+    case ingest::Airframe::multirotor:
+      return "multirotor";
+    case ingest::Airframe::helicopter:
+      return "helicopter";
+    case ingest::Airframe::fixed_wing:
+      return "fixed wing";
+    case ingest::Airframe::vtol:
+      return "VTOL";
+    case ingest::Airframe::other:
+      return "other";
+    case ingest::Airframe::unknown:
+      break;
   }
   return "";
 }
@@ -138,14 +146,16 @@ double turned(const Motion& m) {
 }
 
 /// Heights at the velocity's times, as the estimator will see them.
-std::vector<estimator::WindPoint> height_points(const Flight& f, const std::optional<ingest::MslHeight>& takeoff, bool& agl) {
+std::vector<estimator::WindPoint> height_points(const Flight& f, const std::optional<ingest::MslHeight>& takeoff,
+                                                bool& agl) {
   std::vector<estimator::WindPoint> points;
   agl = !f.height_ground.empty() || (takeoff && !f.height_msl.empty());
   for (std::size_t i = 0; i < f.velocity.size(); ++i) {
     estimator::WindPoint p;
     p.time = f.velocity.time[i];
     p.v_up = -f.velocity.value[i].z();
-    const auto ground = ingest::last_at_or_before(f.height_ground, p.time), msl = ingest::last_at_or_before(f.height_msl, p.time);
+    const auto ground = ingest::last_at_or_before(f.height_ground, p.time),
+               msl = ingest::last_at_or_before(f.height_msl, p.time);
     if (ground >= 0)
       p.height_agl = f.height_ground.value[static_cast<std::size_t>(ground)];
     else if (msl >= 0 && takeoff && f.height_ground.empty())
@@ -183,14 +193,18 @@ std::vector<std::string> manoeuvre_advice(const FlightFacts& facts) {
   const auto& m = facts.manoeuvre;
   std::vector<std::string> all;
   if (!facts.trim_can_be_measured)
-    all.push_back("Turn the nose through at least one full turn while hovering or climbing: it separates the tilt trim from the wind, "
-                  "which is uncertain by about 2 m/s without it.");
-  if (!facts.profile_possible) all.push_back("Climb: a profile needs at least two heights 10 m apart.");
+    all.push_back(
+        "Turn the nose through at least one full turn while hovering or climbing: it separates the tilt trim from the "
+        "wind, "
+        "which is uncertain by about 2 m/s without it.");
+  if (!facts.profile_possible)
+    all.push_back("Climb: a profile needs at least two heights 10 m apart.");
   else if (!m.ascents || !m.descents)
     all.push_back("Fly the way up and the way down at equal, slow rates: each checks the other.");
   if (!facts.can_calibrate)
-    all.push_back("To calibrate the drag: fly a square or back and forth at 3 to 5 m/s for 5 min, turning the nose steadily and "
-                  "independently of the track.");
+    all.push_back(
+        "To calibrate the drag: fly a square or back and forth at 3 to 5 m/s for 5 min, turning the nose steadily and "
+        "independently of the track.");
   return all;
 }
 
@@ -245,7 +259,8 @@ LogFacts inspect(const LoadedLog& log, double bin_m) {
   for (const auto& part : log.parts) {
     facts.flights.push_back(flight_facts(log, part, bin_m));
     // What was met while this flight was found; the boot's own stands there already.
-    for (std::size_t i = part.boot->problems.size(); i < part.problems.size(); ++i) facts.problems.push_back(part.problems[i]);
+    for (std::size_t i = part.boot->problems.size(); i < part.problems.size(); ++i)
+      facts.problems.push_back(part.problems[i]);
   }
   facts.nothing = log.nothing;
   return facts;

@@ -10,12 +10,12 @@
 namespace quadsonde::product {
 
 struct StreamFacts {
-  std::string name;                     ///< "attitude"
-  std::string source;                   ///< as the log calls it
+  std::string name;    ///< "attitude"
+  std::string source;  ///< as the log calls it
   std::size_t samples = 0;
-  std::optional<double> rate_hz;        ///< by the median interval
+  std::optional<double> rate_hz;  ///< by the median interval
   std::optional<double> longest_gap_s;
-  std::size_t gaps = 0;                 ///< intervals above 1 s and above five median ones
+  std::size_t gaps = 0;  ///< intervals above 1 s and above five median ones
 };
 
 struct BootFacts {
@@ -25,16 +25,16 @@ struct BootFacts {
   std::optional<double> utc_uncertainty_s;  ///< empty while UTC is not known
   std::string clock_source;
   std::vector<StreamFacts> streams;
-  std::optional<ingest::Problem> lacking;   ///< why no wind can come of it
+  std::optional<ingest::Problem> lacking;  ///< why no wind can come of it
 };
 
 /// What was flown, as far as the wind and the calibration care. Source: design notes, sections 4, 5 and 8.
 struct Manoeuvre {
-  double heading_index = 0;             ///< 0: the nose never turned, 1: all headings alike
-  double turned_deg = 0;                ///< the way of the nose, back and forth, with wobbles below 10 degrees left out
-  double excitation = 0;                ///< X: motion that is neither constant nor turns with the nose [m/s]
-  double max_speed = 0;                 ///< over ground [m/s]
-  int ascents = 0, descents = 0;        ///< of at least one bin
+  double heading_index = 0;       ///< 0: the nose never turned, 1: all headings alike
+  double turned_deg = 0;          ///< the way of the nose, back and forth, with wobbles below 10 degrees left out
+  double excitation = 0;          ///< X: motion that is neither constant nor turns with the nose [m/s]
+  double max_speed = 0;           ///< over ground [m/s]
+  int ascents = 0, descents = 0;  ///< of at least one bin
   std::optional<double> lowest, highest;  ///< above take-off, or above sea level [m]
   bool above_takeoff = false;
 };
@@ -44,7 +44,7 @@ struct FlightFacts {
   Manoeuvre manoeuvre;
   bool starts_in_air = false, ends_in_air = false;
   bool trim_can_be_measured = false, profile_possible = false, can_calibrate = false;
-  std::vector<std::string> advice;      ///< which manoeuvre would help
+  std::vector<std::string> advice;  ///< which manoeuvre would help
 };
 
 struct LogFacts {

@@ -29,14 +29,18 @@ std::string vehicle_text(const BootFacts& boot) {
 
 std::string clock_text(const BootFacts& boot) {
   if (!boot.utc_uncertainty_s) return "UTC is not known; times are the log's own";
-  return fmt::format("UTC known to {:.3g} s{}", *boot.utc_uncertainty_s, boot.clock_source.empty() ? "" : " (" + boot.clock_source + ")");
+  return fmt::format("UTC known to {:.3g} s{}", *boot.utc_uncertainty_s,
+                     boot.clock_source.empty() ? "" : " (" + boot.clock_source + ")");
 }
 
 std::string streams_text(const std::vector<StreamFacts>& streams) {
-  std::string text = fmt::format("  {:<18}{:<26}{:>9}{:>10}{:>13}\n", "stream", "in the log as", "samples", "rate, Hz", "longest gap");
+  std::string text =
+      fmt::format("  {:<18}{:<26}{:>9}{:>10}{:>13}\n", "stream", "in the log as", "samples", "rate, Hz", "longest gap");
   for (const auto& s : streams) {
-    text += fmt::format("  {:<18}{:<26}{:>9}{:>10}{:>13}", s.name, s.source.size() > 25 ? s.source.substr(0, 22) + "..." : s.source, s.samples,
-                        s.rate_hz ? fmt::format("{:.1f}", *s.rate_hz) : "-", s.longest_gap_s ? fmt::format("{:.2f} s", *s.longest_gap_s) : "-");
+    text += fmt::format("  {:<18}{:<26}{:>9}{:>10}{:>13}", s.name,
+                        s.source.size() > 25 ? s.source.substr(0, 22) + "..." : s.source, s.samples,
+                        s.rate_hz ? fmt::format("{:.1f}", *s.rate_hz) : "-",
+                        s.longest_gap_s ? fmt::format("{:.2f} s", *s.longest_gap_s) : "-");
     text += "\n";
   }
   return text;
@@ -44,21 +48,25 @@ std::string streams_text(const std::vector<StreamFacts>& streams) {
 
 std::string height_text(const Manoeuvre& m) {
   if (!m.lowest) return "no height in the log";
-  return fmt::format("{} to {} m {}", std::lround(*m.lowest), std::lround(*m.highest), m.above_takeoff ? "above take-off" : "above sea level (take-off not known)");
+  return fmt::format("{} to {} m {}", std::lround(*m.lowest), std::lround(*m.highest),
+                     m.above_takeoff ? "above take-off" : "above sea level (take-off not known)");
 }
 
 std::string flight_text(const FlightFacts& f) {
   const auto& m = f.manoeuvre;
   auto text = wrapped(fmt::format("Flight {}: {}", f.title.flight, when_and_where(f.title)), 79, 2) + "\n";
-  text += line("height", height_text(m) + fmt::format(", {} ascent{}, {} descent{}", m.ascents, m.ascents == 1 ? "" : "s", m.descents,
-                                                      m.descents == 1 ? "" : "s"));
+  text +=
+      line("height", height_text(m) + fmt::format(", {} ascent{}, {} descent{}", m.ascents, m.ascents == 1 ? "" : "s",
+                                                  m.descents, m.descents == 1 ? "" : "s"));
   text += line("motion", fmt::format("up to {:.1f} m/s over ground, excitation {:.2f} m/s", m.max_speed, m.excitation));
   text += line("heading", fmt::format("turned {:.0f} deg in all, heading index {:.2f}", m.turned_deg, m.heading_index));
   if (f.starts_in_air || f.ends_in_air)
-    text += line("log", fmt::format("{}{}{}", f.starts_in_air ? "begins in the air" : "", f.starts_in_air && f.ends_in_air ? ", " : "",
-                                    f.ends_in_air ? "ends in the air" : ""));
-  text += line("wind", f.trim_can_be_measured ? "yes; the tilt trim is measured along the way"
-                                              : "yes, but wide: the nose hardly turned, so the tilt trim stays unknown");
+    text +=
+        line("log", fmt::format("{}{}{}", f.starts_in_air ? "begins in the air" : "",
+                                f.starts_in_air && f.ends_in_air ? ", " : "", f.ends_in_air ? "ends in the air" : ""));
+  text +=
+      line("wind", f.trim_can_be_measured ? "yes; the tilt trim is measured along the way"
+                                          : "yes, but wide: the nose hardly turned, so the tilt trim stays unknown");
   text += line("profile", f.profile_possible ? "yes" : "no: the flight stays within one height");
   text += line("calibrate", f.can_calibrate ? "yes: the flight moves enough (excitation of 1.5 m/s or more)"
                                             : "no: the flight moves too little (excitation below 1.5 m/s)");
@@ -78,8 +86,12 @@ Json nullable(const std::string& text) { return text.empty() ? Json() : Json(tex
 Json boot_json(const BootFacts& b) {
   Json streams = Json::array();
   for (const auto& s : b.streams)
-    streams.push_back({{"name", s.name}, {"source", s.source}, {"samples", s.samples}, {"rate_hz", json_number(s.rate_hz, 3)},
-                       {"longest_gap_s", json_number(s.longest_gap_s, 3)}, {"gaps", s.gaps}});
+    streams.push_back({{"name", s.name},
+                       {"source", s.source},
+                       {"samples", s.samples},
+                       {"rate_hz", json_number(s.rate_hz, 3)},
+                       {"longest_gap_s", json_number(s.longest_gap_s, 3)},
+                       {"gaps", s.gaps}});
   return {{"vehicle", nullable(b.vehicle)},
           {"autopilot", nullable(b.autopilot)},
           {"firmware", nullable(b.firmware)},
@@ -121,8 +133,10 @@ Json flight_json(const FlightFacts& f) {
 }  // namespace
 
 std::string info_text(const LogFacts& facts) {
-  auto text = wrapped(fmt::format("{}: {}, {} messages in {} topics{}", facts.file, facts.format, facts.messages, facts.topics.size(),
-                                  facts.salvaged ? fmt::format(", {} of them salvaged", facts.salvaged) : "")) + "\n";
+  auto text = wrapped(fmt::format("{}: {}, {} messages in {} topics{}", facts.file, facts.format, facts.messages,
+                                  facts.topics.size(),
+                                  facts.salvaged ? fmt::format(", {} of them salvaged", facts.salvaged) : "")) +
+              "\n";
   for (const auto& [name, value] : facts.details)
     if (value.find('\n') == std::string::npos) text += line(name.c_str(), value);
   for (std::size_t i = 0; i < facts.boots.size(); ++i) {
@@ -140,8 +154,10 @@ std::string info_text(const LogFacts& facts) {
 }
 
 std::string info_json(const LogFacts& facts) {
-  Json object = {{"schema", "quadsonde.info/1"}, {"version", std::string(version())}, {"file", facts.file}, {"sha256", facts.sha256},
-                 {"format", facts.format}, {"messages", facts.messages}, {"salvaged", facts.salvaged}};
+  Json object = {{"schema", "quadsonde.info/1"}, {"version", std::string(version())},
+                 {"file", facts.file},           {"sha256", facts.sha256},
+                 {"format", facts.format},       {"messages", facts.messages},
+                 {"salvaged", facts.salvaged}};
   Json details = Json::object();
   for (const auto& [name, value] : facts.details) details[name] = value;
   object["details"] = details;

@@ -45,7 +45,8 @@ bool tilt_wanders(const Flight& flight, ingest::LogTime from, ingest::LogTime to
   for (auto begin = from; begin + ingest::seconds(2) <= to; begin = begin + window) {
     Eigen::Vector2d sum = Eigen::Vector2d::Zero();
     double squares = 0, n = 0;
-    for (auto i = ingest::last_at_or_before(flight.attitude, begin) + 1; i < static_cast<std::ptrdiff_t>(flight.attitude.size()); ++i) {
+    for (auto i = ingest::last_at_or_before(flight.attitude, begin) + 1;
+         i < static_cast<std::ptrdiff_t>(flight.attitude.size()); ++i) {
       const auto k = static_cast<std::size_t>(i);
       if (flight.attitude.time[k] > std::min(begin + window, to)) break;
       const Eigen::Vector2d tilt = (flight.attitude.value[k] * Eigen::Vector3d::UnitZ()).head<2>();
@@ -84,7 +85,8 @@ void doubt_short_stands(const Flight& flight, std::vector<ingest::Segment>& segm
 template <class Stream, class Up>
 void make_ground_height(Flight& flight, const Stream& whole, const ingest::Segment& segment, Up up) {
   if (!flight.height_ground.empty() || whole.empty()) return;
-  const auto before = segment.starts_in_air ? -1 : ingest::last_at_or_before(whole, segment.from - ingest::seconds(0.5));
+  const auto before =
+      segment.starts_in_air ? -1 : ingest::last_at_or_before(whole, segment.from - ingest::seconds(0.5));
   const auto after = segment.ends_in_air ? -1 : ingest::last_at_or_before(whole, segment.to + ingest::seconds(2));
   const auto at = before >= 0 ? before : after;
   if (at < 0) return;
@@ -104,7 +106,8 @@ void add_parts(LoadedLog& log, const std::shared_ptr<const Flight>& boot, const 
   if (segments.empty())
     if (const auto whole = whole_log_in_air(*boot)) {
       segments = {*whole};
-      problems.push_back({Kind::doubtful, "nothing shows a take-off or a landing: the whole log is taken as one flight in the air",
+      problems.push_back({Kind::doubtful,
+                          "nothing shows a take-off or a landing: the whole log is taken as one flight in the air",
                           in(file), "give a log that begins on the ground to have heights above take-off"});
     }
   for (std::size_t i = 0; i < segments.size(); ++i) {
@@ -114,7 +117,8 @@ void add_parts(LoadedLog& log, const std::shared_ptr<const Flight>& boot, const 
     part.segment = segments[i];
     const auto half_way = [](ingest::LogTime a, ingest::LogTime b) { return a + (b - a) / 2; };
     part.share_from = i ? half_way(segments[i - 1].to, segments[i].from) : ingest::LogTime{INT64_MIN};
-    part.share_to = i + 1 < segments.size() ? half_way(segments[i].to, segments[i + 1].from) : ingest::LogTime{INT64_MAX};
+    part.share_to =
+        i + 1 < segments.size() ? half_way(segments[i].to, segments[i + 1].from) : ingest::LogTime{INT64_MAX};
     part.takeoff = ingest::takeoff_height(*boot, segments[i]);
     if (!part.takeoff && settings.takeoff_msl_m) part.takeoff = ingest::MslHeight{*settings.takeoff_msl_m};
     part.problems = problems;
@@ -150,7 +154,8 @@ Flight FlightPart::airborne() const {
   return flight;
 }
 
-ingest::Result<LoadedLog> load_log(const std::filesystem::path& path, const InputSettings& settings, const Control& control) {
+ingest::Result<LoadedLog> load_log(const std::filesystem::path& path, const InputSettings& settings,
+                                   const Control& control) {
   control.report("reading", 0);
   LoadedLog log;
   log.path = path;
@@ -169,27 +174,30 @@ ingest::Result<LoadedLog> load_log(const std::filesystem::path& path, const Inpu
   return log;
 }
 
-ingest::Result<std::vector<FlightPart>> choose_flights(const LoadedLog& log, const std::string& choice, bool all_by_default,
-                                                       std::vector<Problem>& notes) {
+ingest::Result<std::vector<FlightPart>> choose_flights(const LoadedLog& log, const std::string& choice,
+                                                       bool all_by_default, std::vector<Problem>& notes) {
   if (log.parts.empty()) return fail(*log.nothing);
   const bool by_itself = choice.empty();
   if (choice == "all" || (by_itself && all_by_default)) return log.parts;
   if (by_itself || choice == "longest") {
-    const auto longest = std::max_element(log.parts.begin(), log.parts.end(), [](const FlightPart& a, const FlightPart& b) {
-      return a.duration_s() < b.duration_s();
-    });
+    const auto longest =
+        std::max_element(log.parts.begin(), log.parts.end(),
+                         [](const FlightPart& a, const FlightPart& b) { return a.duration_s() < b.duration_s(); });
     if (by_itself && log.parts.size() > 1)
-      notes.push_back({Kind::doubtful, fmt::format("the log has {} flights; this is the longest, number {}", log.parts.size(), longest->number),
-                       in(log.path.string()), "choose with --flight N or --flight all"});
+      notes.push_back(
+          {Kind::doubtful,
+           fmt::format("the log has {} flights; this is the longest, number {}", log.parts.size(), longest->number),
+           in(log.path.string()), "choose with --flight N or --flight all"});
     return std::vector{*longest};
   }
   int number = 0;
   const auto [end, error] = std::from_chars(choice.data(), choice.data() + choice.size(), number);
   if (error != std::errc{} || end != choice.data() + choice.size())
-    return fail(Kind::usage, fmt::format("--flight {}: expected a number, all or longest", choice), {}, "give --flight 1");
+    return fail(Kind::usage, fmt::format("--flight {}: expected a number, all or longest", choice), {},
+                "give --flight 1");
   if (number < 1 || number > static_cast<int>(log.parts.size()))
-    return fail(Kind::usage, fmt::format("there is no flight {} in this log: it has {}", number, log.parts.size()), in(log.path.string()),
-                "see `quadsonde info` for its flights");
+    return fail(Kind::usage, fmt::format("there is no flight {} in this log: it has {}", number, log.parts.size()),
+                in(log.path.string()), "see `quadsonde info` for its flights");
   return std::vector{log.parts[static_cast<std::size_t>(number - 1)]};
 }
 

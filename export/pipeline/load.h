@@ -14,12 +14,12 @@ namespace quadsonde::product {
 
 /// One flight: an airborne part of what one boot of the autopilot logged.
 struct FlightPart {
-  int number = 1;                               ///< from 1, over the whole file
-  std::shared_ptr<const ingest::Flight> boot;   ///< everything of that boot, tidy, heights shifted
+  int number = 1;                              ///< from 1, over the whole file
+  std::shared_ptr<const ingest::Flight> boot;  ///< everything of that boot, tidy, heights shifted
   ingest::Segment segment;
-  ingest::LogTime share_from, share_to;         ///< its share of the boot: up to half way to its neighbours
+  ingest::LogTime share_from, share_to;  ///< its share of the boot: up to half way to its neighbours
   std::optional<ingest::MslHeight> takeoff;
-  std::vector<ingest::Problem> problems;        ///< of this boot and of this flight
+  std::vector<ingest::Problem> problems;  ///< of this boot and of this flight
 
   double duration_s() const { return ingest::to_seconds(segment.to - segment.from); }
   /// Only what was measured in the air. Where the log has heights above the ellipsoid or of the local frame only, and
@@ -32,7 +32,7 @@ struct FlightPart {
 struct LoadedLog {
   std::filesystem::path path;
   std::string sha256;
-  ingest::LogContent content;              ///< its flights moved into `boots`
+  ingest::LogContent content;  ///< its flights moved into `boots`
   std::vector<std::shared_ptr<const ingest::Flight>> boots;
   std::vector<FlightPart> parts;           ///< may be empty
   std::optional<ingest::Problem> nothing;  ///< why there is no part
@@ -45,7 +45,7 @@ ingest::Result<LoadedLog> load_log(const std::filesystem::path& path, const Inpu
 
 /// The parts that were asked for. `choice` as in FlightChoice; by itself `all`, or the longest, which is then said in
 /// `notes`. Fails with what `nothing` says, or Kind::usage for a number that is not there.
-ingest::Result<std::vector<FlightPart>> choose_flights(const LoadedLog& log, const std::string& choice, bool all_by_default,
-                                                       std::vector<ingest::Problem>& notes);
+ingest::Result<std::vector<FlightPart>> choose_flights(const LoadedLog& log, const std::string& choice,
+                                                       bool all_by_default, std::vector<ingest::Problem>& notes);
 
 }  // namespace quadsonde::product

@@ -46,12 +46,13 @@ ingest::Result<void> Outputs::make_folder(const std::filesystem::path& folder) {
   if (control_.stopped()) return fail(stopped_problem());
   std::vector<std::filesystem::path> missing;
   std::error_code error;
-  for (auto at = folder; !at.empty() && !std::filesystem::exists(at, error); at = at.parent_path()) missing.push_back(at);
+  for (auto at = folder; !at.empty() && !std::filesystem::exists(at, error); at = at.parent_path())
+    missing.push_back(at);
   for (auto it = missing.rbegin(); it != missing.rend(); ++it) {
     if (std::filesystem::create_directory(*it, error)) made_folders_.push_back(*it);
     if (error)
-      return fail(Kind::write_failed, fmt::format("this folder cannot be made: {}", error.message()), {it->string(), {}, {}, {}},
-                  "name another output or change its permissions");
+      return fail(Kind::write_failed, fmt::format("this folder cannot be made: {}", error.message()),
+                  {it->string(), {}, {}, {}}, "name another output or change its permissions");
   }
   if (!std::filesystem::is_directory(folder, error))
     return fail(Kind::usage, "this is a file, not a folder", {folder.string(), {}, {}, {}}, "name a folder with -o");
@@ -77,7 +78,8 @@ ingest::Result<void> Outputs::add(const std::filesystem::path& path, std::string
   return {};
 }
 
-ingest::Result<void> Outputs::add_flight(const std::filesystem::path& path, const ingest::Flight& flight, const ingest::Truth& truth) {
+ingest::Result<void> Outputs::add_flight(const std::filesystem::path& path, const ingest::Flight& flight,
+                                         const ingest::Truth& truth) {
   auto file = begin(path);
   if (!file) return fail(file.error());
   StoppableSink sink(**file, control_);

@@ -24,7 +24,8 @@ class Outputs {
   ingest::Result<void> make_folder(const std::filesystem::path& folder);
   ingest::Result<void> add(const std::filesystem::path& path, std::string_view content);
   /// A flight as MCAP.
-  ingest::Result<void> add_flight(const std::filesystem::path& path, const ingest::Flight& flight, const ingest::Truth& truth = {});
+  ingest::Result<void> add_flight(const std::filesystem::path& path, const ingest::Flight& flight,
+                                  const ingest::Truth& truth = {});
   ingest::Result<void> commit();
 
  private:

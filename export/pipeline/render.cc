@@ -1,6 +1,7 @@
 #include "export/pipeline/render.h"
 
 #include "export/csv/tables.h"
+#include "export/pipeline/netcdf.h"
 #include "export/report/report.h"
 
 namespace quadsonde::product {
@@ -39,25 +40,38 @@ std::optional<Format> format_of(const std::filesystem::path& path) {
   if (ending == ".json") return Format::json;
   if (ending == ".svg") return Format::svg;
   if (ending == ".html") return Format::html;
+  if (ending == ".nc") return Format::netcdf;
   return std::nullopt;
 }
 
-std::string render_wind(const FlightAnswer& answer, Format format) {
+ingest::Result<std::string> render_wind(const FlightAnswer& answer, Format format) {
   switch (format) {
-    case Format::csv: return wind_csv(answer.series);
-    case Format::json: return wind_json(answer.series, answer.source);
-    case Format::svg: return series_svg(answer.series, {answer.title, answer.classic ? &*answer.classic : nullptr, "series"});
-    case Format::html: break;
+    case Format::csv:
+      return wind_csv(answer.series);
+    case Format::json:
+      return wind_json(answer.series, answer.source);
+    case Format::svg:
+      return series_svg(answer.series, {answer.title, answer.classic ? &*answer.classic : nullptr, "series"});
+    case Format::netcdf:
+      return wind_netcdf_of(answer);
+    case Format::html:
+      break;
   }
   return page_of(answer);
 }
 
-std::string render_profile(const FlightAnswer& answer, Format format) {
+ingest::Result<std::string> render_profile(const FlightAnswer& answer, Format format) {
   switch (format) {
-    case Format::csv: return profile_csv(*answer.profile);
-    case Format::json: return profile_json(*answer.profile, answer.source);
-    case Format::svg: return picture_of(answer);
-    case Format::html: break;
+    case Format::csv:
+      return profile_csv(*answer.profile);
+    case Format::json:
+      return profile_json(*answer.profile, answer.source);
+    case Format::svg:
+      return picture_of(answer);
+    case Format::netcdf:
+      return profile_netcdf_of(answer);
+    case Format::html:
+      break;
   }
   return page_of(answer);
 }

@@ -8,13 +8,14 @@
 
 namespace quadsonde::product {
 
-enum class Format { csv, json, svg, html };
+enum class Format { csv, json, svg, html, netcdf };
 
 /// By the ending of a name; empty for one that is not written here.
 std::optional<Format> format_of(const std::filesystem::path& path);
 
-std::string render_wind(const FlightAnswer& answer, Format format);
+/// Only netCDF can fail: without UTC, place or height above the sea.
+ingest::Result<std::string> render_wind(const FlightAnswer& answer, Format format);
 /// The answer must have a profile, except for html, whose page then shows the wind along the flight only.
-std::string render_profile(const FlightAnswer& answer, Format format);
+ingest::Result<std::string> render_profile(const FlightAnswer& answer, Format format);
 
 }  // namespace quadsonde::product

@@ -52,21 +52,35 @@ ingest::Result<void> write_products(Outputs& outputs, FlightRun& run, const std:
   if (auto made = outputs.make_folder(folder); !made) return made;
   run.files.push_back("flight.mcap");
   if (auto done = outputs.add_flight(folder / "flight.mcap", answer.part.whole()); !done) return done;
-  if (auto done = write("wind.csv", render_wind(answer, Format::csv)); !done) return done;
+  if (auto done = write("wind.csv", *render_wind(answer, Format::csv)); !done) return done;
   if (answer.profile) {
-    if (auto done = write("profile.csv", render_profile(answer, Format::csv)); !done) return done;
+    if (auto done = write("profile.csv", *render_profile(answer, Format::csv)); !done) return done;
     // A flight that cannot be a netCDF file (no UTC, no place) has its other products all the same, and they say so.
     if (const auto bytes = profile_netcdf_of(answer); !bytes)
       run.answer.source.problems.push_back(bytes.error());
     else if (auto done = write("profile.nc", *bytes); !done)
       return done;
-    if (auto done = write("profile.svg", render_profile(answer, Format::svg)); !done) return done;
+    if (auto done = write("profile.svg", *render_profile(answer, Format::svg)); !done) return done;
   }
-  if (auto done = write("report.html", render_profile(answer, Format::html)); !done) return done;
+  if (auto done = write("report.html", *render_profile(answer, Format::html)); !done) return done;
   if (answer.comparison)
-    if (auto done = write("compare.json", comparison_json(*answer.comparison, answer.source.file, answer.source.flight)); !done) return done;
+    if (auto done =
+            write("compare.json", comparison_json(*answer.comparison, answer.source.file, answer.source.flight));
+        !done)
+      return done;
   run.files.push_back("run.json");
   return write("run.json", run_json(answer, run.files));
+}
+
+ingest::Result<void> write_folders(RunResult& result, bool overwrite, const Control& control) {
+  control.report("writing", 0.9);
+  Outputs outputs(overwrite, control);
+  for (auto& run : result.flights)
+    if (auto done = write_products(outputs, run, run.folder); !done) return done;
+  if (auto done = outputs.commit(); !done) return done;
+  for (const auto& run : result.flights) remove_older(run.folder, run.files);
+  control.report("writing", 1);
+  return {};
 }
 
 /// Truth tables, merged; the only references that are known so far.
@@ -78,7 +92,8 @@ ingest::Result<ingest::Truth> read_references(const std::vector<std::filesystem:
     truth.insert(truth.end(), part->begin(), part->end());
   }
   std::stable_sort(truth.begin(), truth.end(), [](const auto& a, const auto& b) { return a.time < b.time; });
-  truth.erase(std::unique(truth.begin(), truth.end(), [](const auto& a, const auto& b) { return a.time == b.time; }), truth.end());
+  truth.erase(std::unique(truth.begin(), truth.end(), [](const auto& a, const auto& b) { return a.time == b.time; }),
+              truth.end());
   return truth;
 }
 
@@ -101,7 +116,8 @@ const std::vector<std::string>& product_names() {
 }
 
 std::string run_json(const FlightAnswer& answer, const std::vector<std::string>& files) {
-  Json object = {{"schema", "quadsonde.run/1"}, {"version", std::string(version())}, {"source", json_source(answer.source)}};
+  Json object = {
+      {"schema", "quadsonde.run/1"}, {"version", std::string(version())}, {"source", json_source(answer.source)}};
   const auto& title = answer.title;
   object["flight"] = {{"number", title.flight},
                       {"of", title.flights},
@@ -157,16 +173,8 @@ ingest::Result<RunResult> run_log(const RunRequest& request, const Control& cont
   }
   if (result.flights.empty()) return fail(result.failures.front());
   if (!request.folder) return result;
-
-  control.report("writing", 0.9);
-  Outputs outputs(request.overwrite, control);
-  for (auto& run : result.flights) {
-    run.folder = folder_of(run.answer.part.number);
-    if (auto done = write_products(outputs, run, run.folder); !done) return fail(done.error());
-  }
-  if (auto done = outputs.commit(); !done) return fail(done.error());
-  for (const auto& run : result.flights) remove_older(run.folder, run.files);
-  control.report("writing", 1);
+  for (auto& run : result.flights) run.folder = folder_of(run.answer.part.number);
+  if (auto done = write_folders(result, request.overwrite, control); !done) return fail(done.error());
   return result;
 }
 

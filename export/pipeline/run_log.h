@@ -12,24 +12,24 @@ namespace quadsonde::product {
 
 struct RunRequest {
   std::filesystem::path log;
-  std::optional<std::filesystem::path> folder;      ///< none: nothing is written
-  std::vector<std::filesystem::path> references;    ///< tables of the true wind
+  std::optional<std::filesystem::path> folder;    ///< none: nothing is written
+  std::vector<std::filesystem::path> references;  ///< tables of the true wind
   PipelineSettings settings;
   bool want_profile = true, want_classic = true;
-  bool all_flights = true;                          ///< what an empty choice of a flight means
+  bool all_flights = true;  ///< what an empty choice of a flight means
   bool overwrite = false;
 };
 
 struct FlightRun {
   FlightAnswer answer;
-  std::filesystem::path folder;                     ///< empty where nothing was written
-  std::vector<std::string> files;                   ///< names of the products in it
+  std::filesystem::path folder;    ///< empty where nothing was written
+  std::vector<std::string> files;  ///< names of the products in it
 };
 
 struct RunResult {
-  std::vector<FlightRun> flights;                   ///< those with an answer
-  std::vector<ingest::Problem> failures;            ///< of flights without one
-  std::vector<ingest::Problem> notes;               ///< on the choice of flights
+  std::vector<FlightRun> flights;         ///< those with an answer
+  std::vector<ingest::Problem> failures;  ///< of flights without one
+  std::vector<ingest::Problem> notes;     ///< on the choice of flights
   /// Something of the input was damaged, missing or doubtful, or a flight gave no answer.
   bool with_doubts() const;
 };

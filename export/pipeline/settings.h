@@ -51,7 +51,8 @@ struct FlightChoice {
 };
 template <class Visitor>
 void describe(FlightChoice& s, Visitor&& visit) {
-  visit("flight", s.flight, "N|all|longest", "Which flight of a log with several; left out, run takes all, the others the longest.");
+  visit("flight", s.flight, "N|all|longest",
+        "Which flight of a log with several; left out, run takes all, the others the longest.");
 }
 
 struct ModeSetting {

@@ -6,9 +6,9 @@
 namespace quadsonde::product {
 
 struct Axis {
-  double low = 0, high = 1;    ///< values at the ends
-  double from = 0, to = 100;   ///< places of the ends
-  double step = 1;             ///< between ticks
+  double low = 0, high = 1;   ///< values at the ends
+  double from = 0, to = 100;  ///< places of the ends
+  double step = 1;            ///< between ticks
   double place(double value) const { return from + (value - low) / (high - low) * (to - from); }
   std::vector<double> ticks() const;
   std::string label(double tick) const;

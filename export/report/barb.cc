@@ -28,13 +28,18 @@ std::string barb_path(int half_feathers, double side) {
 
 }  // namespace
 
-void draw_barb(Markup& svg, double x, double y, double speed, double from_deg, bool southern, const std::string& colour) {
+void draw_barb(Markup& svg, double x, double y, double speed, double from_deg, bool southern,
+               const std::string& colour) {
   const int half_feathers = static_cast<int>(std::lround(std::min(speed, 200.0) / 2.5));
-  svg.empty("circle", {{"cx", x}, {"cy", y}, {"r", half_feathers ? 1.8 : 4.0}, {"fill", half_feathers ? colour : "none"},
+  svg.empty("circle", {{"cx", x},
+                       {"cy", y},
+                       {"r", half_feathers ? 1.8 : 4.0},
+                       {"fill", half_feathers ? colour : "none"},
                        {"stroke", colour}});
   if (!half_feathers) return;
   svg.empty("path", {{"d", barb_path(half_feathers, southern ? -1 : 1)},
-                     {"transform", fmt::format("translate({} {}) rotate({})", coordinate(x), coordinate(y), coordinate(from_deg))},
+                     {"transform",
+                      fmt::format("translate({} {}) rotate({})", coordinate(x), coordinate(y), coordinate(from_deg))},
                      {"fill", colour},
                      {"stroke", colour},
                      {"stroke-width", 1.3},

@@ -15,10 +15,15 @@ std::string point_list(const std::vector<std::pair<double, double>>& points) {
 
 }  // namespace
 
-void draw_text(Markup& svg, double x, double y, std::string_view text, double size, const char* fill, const char* anchor,
-               bool bold) {
-  svg.leaf("text", text, {{"x", x}, {"y", y}, {"font-size", size}, {"fill", fill}, {"text-anchor", anchor},
-                          {"font-weight", bold ? "bold" : "normal"}});
+void draw_text(Markup& svg, double x, double y, std::string_view text, double size, const char* fill,
+               const char* anchor, bool bold) {
+  svg.leaf("text", text,
+           {{"x", x},
+            {"y", y},
+            {"font-size", size},
+            {"fill", fill},
+            {"text-anchor", anchor},
+            {"font-weight", bold ? "bold" : "normal"}});
 }
 
 void draw_frame(Markup& svg, const Panel& p, std::string_view x_title, std::string_view y_title, bool y_labels,
@@ -33,19 +38,27 @@ void draw_frame(Markup& svg, const Panel& p, std::string_view x_title, std::stri
     svg.empty("line", {{"x1", p.left()}, {"x2", p.right()}, {"y1", y}, {"y2", y}, {"stroke", colour::rule}});
     if (y_labels) draw_text(svg, p.left() - 8, y + 4, p.y.label(tick), 11, colour::grey, "end");
   }
-  svg.empty("rect", {{"x", p.left()}, {"y", p.top()}, {"width", p.right() - p.left()}, {"height", p.bottom() - p.top()},
-                     {"fill", "none"}, {"stroke", "#9aa3ad"}});
+  svg.empty("rect", {{"x", p.left()},
+                     {"y", p.top()},
+                     {"width", p.right() - p.left()},
+                     {"height", p.bottom() - p.top()},
+                     {"fill", "none"},
+                     {"stroke", "#9aa3ad"}});
   draw_text(svg, (p.left() + p.right()) / 2, p.bottom() + 36, x_title, 12, colour::black, "middle");
   if (y_title.empty()) return;
   const double x = p.left() - 44, y = (p.top() + p.bottom()) / 2;
-  svg.leaf("text", y_title, {{"transform", fmt::format("translate({} {}) rotate(-90)", coordinate(x), coordinate(y))},
-                             {"font-size", 12}, {"fill", colour::black}, {"text-anchor", "middle"}});
+  svg.leaf("text", y_title,
+           {{"transform", fmt::format("translate({} {}) rotate(-90)", coordinate(x), coordinate(y))},
+            {"font-size", 12},
+            {"fill", colour::black},
+            {"text-anchor", "middle"}});
 }
 
 void define_clip(Markup& svg, const Panel& p, const std::string& id) {
   const auto clip = svg.element("clipPath", {{"id", id}});
-  svg.empty("rect", {{"x", p.left()}, {"y", p.top() - 1}, {"width", p.right() - p.left()},
-                     {"height", p.bottom() - p.top() + 2}});
+  svg.empty(
+      "rect",
+      {{"x", p.left()}, {"y", p.top() - 1}, {"width", p.right() - p.left()}, {"height", p.bottom() - p.top() + 2}});
 }
 
 std::string clip_to(const std::string& id) { return "url(#" + id + ")"; }
@@ -53,8 +66,12 @@ std::string clip_to(const std::string& id) { return "url(#" + id + ")"; }
 void draw_line(Markup& svg, const std::vector<std::pair<double, double>>& points, const char* stroke, double width,
                const char* dashes) {
   if (points.size() < 2) return;
-  svg.empty("polyline", {{"points", point_list(points)}, {"fill", "none"}, {"stroke", stroke}, {"stroke-width", width},
-                         {"stroke-linejoin", "round"}, {"stroke-dasharray", *dashes ? dashes : "none"}});
+  svg.empty("polyline", {{"points", point_list(points)},
+                         {"fill", "none"},
+                         {"stroke", stroke},
+                         {"stroke-width", width},
+                         {"stroke-linejoin", "round"},
+                         {"stroke-dasharray", *dashes ? dashes : "none"}});
 }
 
 void draw_area(Markup& svg, const std::vector<std::pair<double, double>>& outline, const char* fill, double opacity) {
@@ -77,8 +94,6 @@ std::string direction_label(double degrees) {
   return fmt::format("{}°{}", whole, letters);
 }
 
-double unwrapped(double degrees, double around) {
-  return around + std::remainder(degrees - around, 360.0);
-}
+double unwrapped(double degrees, double around) { return around + std::remainder(degrees - around, 360.0); }
 
 }  // namespace quadsonde::product

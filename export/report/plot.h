@@ -31,8 +31,8 @@ struct Panel {
 };
 
 struct Mark {
-  double x = 0, y = 0;          ///< values
-  double low = 0, high = 0;     ///< of the band, along the axis that `Band` tells
+  double x = 0, y = 0;       ///< values
+  double low = 0, high = 0;  ///< of the band, along the axis that `Band` tells
 };
 
 void draw_text(Markup& svg, double x, double y, std::string_view text, double size, const char* fill = colour::black,

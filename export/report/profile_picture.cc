@@ -42,8 +42,15 @@ double from_degrees(const Eigen::Vector2d& toward) {
 
 Dot dot_of(const profiles::Bin& bin, const WindEstimate& wind) {
   const auto report = estimator::to_report(wind);
-  Dot dot{middle(bin), bin.bottom, bin.top, report.speed_m_s, wind.has_covariance ? estimator::speed_sd(wind) : 0,
-          report.from_deg, wind.has_covariance ? estimator::direction_sd_deg(wind) : std::nullopt, wind.v_NA_N, bin.quality};
+  Dot dot{middle(bin),
+          bin.bottom,
+          bin.top,
+          report.speed_m_s,
+          wind.has_covariance ? estimator::speed_sd(wind) : 0,
+          report.from_deg,
+          wind.has_covariance ? estimator::direction_sd_deg(wind) : std::nullopt,
+          wind.v_NA_N,
+          bin.quality};
   return dot;
 }
 
@@ -62,7 +69,8 @@ std::vector<Run> runs_of(const profiles::Leg& leg) {
 std::vector<DrawnLeg> legs_to_draw(const WindProfile& profile) {
   std::vector<DrawnLeg> legs;
   if (const auto* up = find_leg(profile, LegName::up)) legs.push_back({LegName::up, colour::blue, runs_of(*up)});
-  if (const auto* down = find_leg(profile, LegName::down)) legs.push_back({LegName::down, colour::vermilion, runs_of(*down)});
+  if (const auto* down = find_leg(profile, LegName::down))
+    legs.push_back({LegName::down, colour::vermilion, runs_of(*down)});
   if (legs.empty())
     if (const auto* all = main_leg(profile)) legs.push_back({all->name, colour::blue, runs_of(*all)});
   return legs;
@@ -160,11 +168,16 @@ void draw_mark(Markup& svg, double x, double y, Quality quality, const char* fil
   if (quality == Quality::bad) {
     svg.empty("path", {{"d", fmt::format("M{0} {2}L{1} {3}M{0} {3}L{1} {2}", coordinate(x - 3.5), coordinate(x + 3.5),
                                          coordinate(y - 3.5), coordinate(y + 3.5))},
-                       {"stroke", fill}, {"stroke-width", 1.6}});
+                       {"stroke", fill},
+                       {"stroke-width", 1.6}});
     return;
   }
-  svg.empty("circle", {{"cx", x}, {"cy", y}, {"r", 3.4}, {"fill", quality == Quality::good ? fill : "#ffffff"},
-                       {"stroke", fill}, {"stroke-width", 1.5}});
+  svg.empty("circle", {{"cx", x},
+                       {"cy", y},
+                       {"r", 3.4},
+                       {"fill", quality == Quality::good ? fill : "#ffffff"},
+                       {"stroke", fill},
+                       {"stroke-width", 1.5}});
 }
 
 void draw_leg(Markup& svg, const Panel& panel, const DrawnLeg& leg, const Read& read, bool whiskers) {
@@ -173,14 +186,19 @@ void draw_leg(Markup& svg, const Panel& panel, const DrawnLeg& leg, const Read& 
   for (const auto& run : leg.runs)
     for (const auto& part : readable_parts(run, read)) {
       std::vector<std::pair<double, double>> line;
-      for (const auto& [dot, reading] : part) line.emplace_back(panel.x.place(reading.value), panel.y.place(dot.height));
+      for (const auto& [dot, reading] : part)
+        line.emplace_back(panel.x.place(reading.value), panel.y.place(dot.height));
       draw_line(svg, line, leg.colour, 2);
       for (const auto& [dot, reading] : part) {
         const double x = panel.x.place(reading.value), y = panel.y.place(dot.height);
         if (whiskers)
           svg.empty("line", {{"x1", panel.x.place(std::max(reading.value - reading.half, panel.x.low))},
-                             {"x2", panel.x.place(reading.value + reading.half)}, {"y1", y}, {"y2", y},
-                             {"stroke", leg.colour}, {"stroke-width", 1}, {"stroke-opacity", 0.55}});
+                             {"x2", panel.x.place(reading.value + reading.half)},
+                             {"y1", y},
+                             {"y2", y},
+                             {"stroke", leg.colour},
+                             {"stroke-width", 1},
+                             {"stroke-opacity", 0.55}});
         draw_mark(svg, x, y, dot.quality, leg.colour);
       }
     }
@@ -219,7 +237,8 @@ void draw_title(Markup& svg, const WindProfile& profile, const ProfilePicture& p
     for (const auto& bin : leg.bins)
       if (bin.samples) highest = std::max(highest, bin.top);
   if (highest > -1e9)
-    facts += fmt::format(", up to {:.0f} m {}", highest, profile.datum == profiles::Datum::agl ? "above take-off" : "MSL");
+    facts +=
+        fmt::format(", up to {:.0f} m {}", highest, profile.datum == profiles::Datum::agl ? "above take-off" : "MSL");
   draw_text(svg, 24, 56, shortened(facts, 120), 12, colour::black);
   auto drag = picture.drag;
   if (!picture.title.vehicle.empty()) drag = picture.title.vehicle + (drag.empty() ? "" : "; ") + drag;
@@ -235,28 +254,46 @@ void draw_legend(Markup& svg, const std::vector<DrawnLeg>& legs, const ProfilePi
     x += sample_width + 26 + 6.9 * static_cast<double>(text.size());
   };
   for (const auto& leg : legs)
-    entry(leg.name == LegName::up ? "ascent" : leg.name == LegName::down ? "descent" : "whole flight", [&](double at) {
-      svg.empty("rect", {{"x", at}, {"y", y - 6}, {"width", 30}, {"height", 12}, {"fill", leg.colour}, {"fill-opacity", 0.17}});
-      draw_line(svg, {{at, y}, {at + 30, y}}, leg.colour, 2);
-      draw_mark(svg, at + 15, y, Quality::good, leg.colour);
-    }, 30);
+    entry(
+        leg.name == LegName::up     ? "ascent"
+        : leg.name == LegName::down ? "descent"
+                                    : "whole flight",
+        [&](double at) {
+          svg.empty(
+              "rect",
+              {{"x", at}, {"y", y - 6}, {"width", 30}, {"height", 12}, {"fill", leg.colour}, {"fill-opacity", 0.17}});
+          draw_line(svg, {{at, y}, {at + 30, y}}, leg.colour, 2);
+          draw_mark(svg, at + 15, y, Quality::good, leg.colour);
+        },
+        30);
   if (!picture.reference.empty())
-    entry(picture.reference_name, [&](double at) { draw_line(svg, {{at, y}, {at + 30, y}}, colour::black, 1.8, "6 4"); }, 30);
+    entry(
+        picture.reference_name,
+        [&](double at) {
+          draw_line(svg, {{at, y}, {at + 30, y}}, colour::black, 1.8, "6 4");
+        },
+        30);
   bool doubtful = false, bad = false;
   each_dot(legs, [&](const Dot& d) { doubtful |= d.quality == Quality::doubtful, bad |= d.quality == Quality::bad; });
-  if (doubtful) entry("doubtful", [&](double at) { draw_mark(svg, at + 5, y, Quality::doubtful, colour::grey); }, 10);
-  if (bad) entry("bad", [&](double at) { draw_mark(svg, at + 5, y, Quality::bad, colour::grey); }, 10);
+  if (doubtful)
+    entry(
+        "doubtful", [&](double at) { draw_mark(svg, at + 5, y, Quality::doubtful, colour::grey); }, 10);
+  if (bad)
+    entry(
+        "bad", [&](double at) { draw_mark(svg, at + 5, y, Quality::bad, colour::grey); }, 10);
   draw_text(svg, 68, 635,
             "Marks: mean over the time in each bin. Shaded: 95 % interval of that mean, drag and trim included.   "
             "Barbs: half 2.5 m/s, full 5 m/s.",
             11, colour::grey);
 }
 
-void draw_panels(Markup& svg, const WindProfile& profile, const std::vector<DrawnLeg>& legs, const ProfilePicture& picture) {
+void draw_panels(Markup& svg, const WindProfile& profile, const std::vector<DrawnLeg>& legs,
+                 const ProfilePicture& picture) {
   const double around = mean_direction(legs);
   const auto heights = height_axis(profile);
   const Panel speed{speed_axis(legs, picture), heights}, direction{direction_axis(legs, picture, around), heights};
-  const char* datum = profile.datum == profiles::Datum::agl ? "height above take-off (m)" : "height above mean sea level (m)";
+  const char* datum =
+      profile.datum == profiles::Datum::agl ? "height above take-off (m)" : "height above mean sea level (m)";
   draw_frame(svg, speed, "wind speed (m/s)", datum, true, [&](double t) { return speed.x.label(t); });
   draw_frame(svg, direction, "wind from (degrees, true north)", "", false, direction_label);
   std::size_t most = 0;
@@ -267,17 +304,26 @@ void draw_panels(Markup& svg, const WindProfile& profile, const std::vector<Draw
   {
     const auto group = svg.element("g", {{"clip-path", clip_to(picture.id + "-speed")}});
     for (const auto& leg : legs)
-      draw_leg(svg, speed, leg, [](const Dot& d) { return Reading{d.speed, interval95 * d.speed_sd}; }, whiskers);
+      draw_leg(
+          svg, speed, leg,
+          [](const Dot& d) {
+            return Reading{d.speed, interval95 * d.speed_sd};
+          },
+          whiskers);
     draw_reference(svg, speed, picture, [](const Eigen::Vector2d& w) { return w.norm(); });
   }
   {
     const auto group = svg.element("g", {{"clip-path", clip_to(picture.id + "-from")}});
     for (const auto& leg : legs)
-      draw_leg(svg, direction, leg, [around](const Dot& d) -> std::optional<Reading> {
-        if (!d.from) return std::nullopt;
-        return Reading{unwrapped(*d.from, around), interval95 * d.from_sd.value_or(0)};
-      }, whiskers);
-    draw_reference(svg, direction, picture, [around](const Eigen::Vector2d& w) { return unwrapped(from_degrees(w), around); });
+      draw_leg(
+          svg, direction, leg,
+          [around](const Dot& d) -> std::optional<Reading> {
+            if (!d.from) return std::nullopt;
+            return Reading{unwrapped(*d.from, around), interval95 * d.from_sd.value_or(0)};
+          },
+          whiskers);
+    draw_reference(svg, direction, picture,
+                   [around](const Eigen::Vector2d& w) { return unwrapped(from_degrees(w), around); });
   }
   draw_barbs(svg, speed, profile, picture);
 }
@@ -287,8 +333,12 @@ void draw_panels(Markup& svg, const WindProfile& profile, const std::vector<Draw
 std::string profile_svg(const WindProfile& profile, const ProfilePicture& picture) {
   Markup svg;
   {
-    const auto root = svg.element("svg", {{"xmlns", "http://www.w3.org/2000/svg"}, {"viewBox", fmt::format("0 0 {} {}", width, height)},
-                                          {"width", width}, {"height", height}, {"role", "img"}, {"font-family", font_family}});
+    const auto root = svg.element("svg", {{"xmlns", "http://www.w3.org/2000/svg"},
+                                          {"viewBox", fmt::format("0 0 {} {}", width, height)},
+                                          {"width", width},
+                                          {"height", height},
+                                          {"role", "img"},
+                                          {"font-family", font_family}});
     svg.leaf("title", "Wind profile of " + title_text(picture.title));
     svg.empty("rect", {{"width", width}, {"height", height}, {"fill", "#ffffff"}});
     const auto legs = legs_to_draw(profile);
@@ -299,7 +349,8 @@ std::string profile_svg(const WindProfile& profile, const ProfilePicture& pictur
     if (any)
       draw_legend(svg, legs, picture);
     else
-      draw_text(svg, width / 2, (top + bottom) / 2, "No wind could be estimated in this flight.", 16, colour::black, "middle");
+      draw_text(svg, width / 2, (top + bottom) / 2, "No wind could be estimated in this flight.", 16, colour::black,
+                "middle");
   }
   return svg.str();
 }

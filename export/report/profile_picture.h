@@ -17,10 +17,10 @@ struct ReferenceLevel {
 
 struct ProfilePicture {
   FlightTitle title;
-  std::string drag;                        ///< one line on the drag used
-  std::vector<ReferenceLevel> reference;   ///< from the ground up; may be empty
+  std::string drag;                       ///< one line on the drag used
+  std::vector<ReferenceLevel> reference;  ///< from the ground up; may be empty
   std::string reference_name = "true wind";
-  std::string id = "profile";              ///< makes names inside the picture unique on a page
+  std::string id = "profile";  ///< makes names inside the picture unique on a page
 };
 
 /// SVG text, 900 by 650, complete in itself. Bands are 95 % intervals of the bin means; hollow marks are doubtful,

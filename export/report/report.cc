@@ -14,12 +14,17 @@ namespace {
 using estimator::WindEstimate;
 
 constexpr const char* style = R"(
-body{font:15px/1.5 "DejaVu Sans",Verdana,"Segoe UI",Helvetica,Arial,sans-serif;color:#1a1a1a;background:#fff;max-width:940px;margin:2em auto;padding:0 1em}
-h1{font-size:1.5em;margin:0 0 .2em}h2{font-size:1.15em;margin:1.8em 0 .5em;border-bottom:1px solid #dfe3e8;padding-bottom:.2em}
+body{font:15px/1.5 "DejaVu Sans",Verdana,"Segoe UI",Helvetica,Arial,sans-serif;color:#1a1a1a;background:#fff;
+max-width:940px;margin:2em auto;padding:0 1em}
+h1{font-size:1.5em;margin:0 0 .2em}
+h2{font-size:1.15em;margin:1.8em 0 .5em;border-bottom:1px solid #dfe3e8;padding-bottom:.2em}
 p.lead{font-size:1.1em}p.facts{color:#5f6770;margin-top:0}
-table{border-collapse:collapse;font-variant-numeric:tabular-nums}th,td{padding:.2em .8em;text-align:right;border-bottom:1px solid #eceff2}
-th{color:#5f6770;font-weight:normal}td.word,th.word{text-align:left}tr.doubtful td,tr.none td{color:#8a5a00}tr.bad td{color:#a1260d}
-svg{max-width:100%;height:auto}code{font-size:.9em;word-break:break-all}dt{color:#5f6770;float:left;clear:left;width:13em}dd{margin-left:13.5em}
+table{border-collapse:collapse;font-variant-numeric:tabular-nums}
+th,td{padding:.2em .8em;text-align:right;border-bottom:1px solid #eceff2}
+th{color:#5f6770;font-weight:normal}td.word,th.word{text-align:left}
+tr.doubtful td,tr.none td{color:#8a5a00}tr.bad td{color:#a1260d}
+svg{max-width:100%;height:auto}
+dt{color:#5f6770;float:left;clear:left;width:13em}dd{margin-left:13.5em;word-break:break-word}
 )";
 
 void paragraph(Markup& html, const std::string& text) { html.leaf("p", text); }
@@ -70,8 +75,9 @@ std::string sureness_sentence(const Report& report) {
       if (wind->has_covariance) widest = std::max(widest, 1.96 * estimator::speed_sd(*wind));
     }
   if (!with_wind) return "";
-  return fmt::format("{} of {} heights have a wind, {} of them rated good; at 95 % the speeds are known to {:.1f} m/s or better.",
-                     with_wind, leg->bins.size(), good, widest);
+  return fmt::format(
+      "{} of {} heights have a wind, {} of them rated good; at 95 % the speeds are known to {:.1f} m/s or better.",
+      with_wind, leg->bins.size(), good, widest);
 }
 
 void wind_table(Markup& html, const profiles::WindProfile& profile) {
@@ -80,7 +86,8 @@ void wind_table(Markup& html, const profiles::WindProfile& profile) {
   const auto table = html.element("table");
   {
     const auto row = html.element("tr");
-    for (const char* head : {"height, m", "speed, m/s", "95 %", "from, deg", "95 %", "turbulence, m/s", "samples"}) html.leaf("th", head);
+    for (const char* head : {"height, m", "speed, m/s", "95 %", "from, deg", "95 %", "turbulence, m/s", "samples"})
+      html.leaf("th", head);
     html.leaf("th", "quality", {{"class", "word"}});
   }
   for (std::size_t i = leg->bins.size(); i-- > 0;) {
@@ -108,29 +115,37 @@ std::vector<std::string> reason_sentences(const profiles::WindProfile& profile) 
   for (const auto& [reason, rows] : count_reasons(*leg))
     all.push_back(fmt::format("{} ({} of {} bins).", estimator::sentence(reason), rows, leg->bins.size()));
   if (profile.up_down)
-    all.push_back(fmt::format("Ascent against descent at equal heights: chi-square {:.1f} for {} degrees of freedom, p = {:.3f}{}.",
-                              profile.up_down->chi2, profile.up_down->degrees_of_freedom, profile.up_down->p_value,
-                              profile.up_down->p_value < 0.01 ? "; they contradict each other" : "; they agree"));
+    all.push_back(fmt::format(
+        "Ascent against descent at equal heights: chi-square {:.1f} for {} degrees of freedom, p = {:.3f}{}.",
+        profile.up_down->chi2, profile.up_down->degrees_of_freedom, profile.up_down->p_value,
+        profile.up_down->p_value < 0.01 ? "; they contradict each other" : "; they agree"));
   return all;
 }
 
 std::vector<std::string> diagnostic_sentences(const estimator::FlightDiagnostics& d) {
   std::vector<std::string> all;
-  all.push_back(d.trim_estimated
-                    ? fmt::format("The nose turned enough (heading index {:.2f}) to measure the tilt trim: roll {:.2f} \u00b1 {:.2f}, "
-                                  "pitch {:.2f} \u00b1 {:.2f} degrees.",
-                                  d.heading_index, d.trim_deg.x(), d.trim_sd_deg.x(), d.trim_deg.y(), d.trim_sd_deg.y())
-                    : fmt::format("The nose hardly turned (heading index {:.2f}): the tilt trim is assumed, not measured, and the "
-                                  "intervals contain that.",
-                                  d.heading_index));
+  all.push_back(
+      d.trim_estimated
+          ? fmt::format(
+                "The nose turned enough (heading index {:.2f}) to measure the tilt trim: roll {:.2f} \u00b1 {:.2f}, "
+                "pitch {:.2f} \u00b1 {:.2f} degrees.",
+                d.heading_index, d.trim_deg.x(), d.trim_sd_deg.x(), d.trim_deg.y(), d.trim_sd_deg.y())
+          : fmt::format(
+                "The nose hardly turned (heading index {:.2f}): the tilt trim is assumed, not measured, and the "
+                "intervals contain that.",
+                d.heading_index));
   all.push_back(fmt::format("Turbulence of the flight: {:.2f} m/s per axis.", d.sigma_u));
-  all.push_back(fmt::format("Largest tilt {:.0f} degrees, largest airspeed {:.1f} m/s.", d.max_tilt_deg, d.max_airspeed));
-  all.push_back(fmt::format("Air density {:.3f} kg/m3 {}.", d.air_density, d.standard_density ? "from the standard atmosphere" : "from the log"));
-  all.push_back(fmt::format("Mean normalised innovation {:.2f} (2 when the noise is as assumed), {} samples rejected, {} jumps, {} restarts.",
-                            d.nis_mean, d.rejected, d.jumps, d.restarts));
+  all.push_back(
+      fmt::format("Largest tilt {:.0f} degrees, largest airspeed {:.1f} m/s.", d.max_tilt_deg, d.max_airspeed));
+  all.push_back(fmt::format("Air density {:.3f} kg/m3 {}.", d.air_density,
+                            d.standard_density ? "from the standard atmosphere" : "from the log"));
+  all.push_back(fmt::format(
+      "Mean normalised innovation {:.2f} (2 when the noise is as assumed), {} samples rejected, {} jumps, {} restarts.",
+      d.nis_mean, d.rejected, d.jumps, d.restarts));
   if (d.jump_test_off) all.push_back("Too many jumps for wind: the jump test was switched off for this flight.");
   if (d.climb_estimated)
-    all.push_back(fmt::format("Ascent and descent together fix the climb law: {:.3f} \u00b1 {:.3f} s/m.", d.climb_linear, d.climb_linear_sd));
+    all.push_back(fmt::format("Ascent and descent together fix the climb law: {:.3f} \u00b1 {:.3f} s/m.",
+                              d.climb_linear, d.climb_linear_sd));
   return all;
 }
 
@@ -146,9 +161,10 @@ void provenance(Markup& html, const Report& report) {
   entry("SHA-256", source.sha256);
   entry("Flight", fmt::format("{} of {}", report.title.flight, report.title.flights));
   entry("Made by", fmt::format("quadsonde {}", version()));
-  entry("Drag", fmt::format("{} ({}): linear {:.4f} \u00b1 {:.4f} 1/s, quadratic {:.4f} \u00b1 {:.4f} 1/m, latency {:.3f} s",
-                            v.id, v.method, v.drag.linear, v.parameter_sd(ingest::p_linear), v.drag.quadratic,
-                            v.parameter_sd(ingest::p_quadratic), v.latency_s));
+  entry("Drag",
+        fmt::format("{} ({}): linear {:.4f} \u00b1 {:.4f} 1/s, quadratic {:.4f} \u00b1 {:.4f} 1/m, latency {:.3f} s",
+                    v.id, v.method, v.drag.linear, v.parameter_sd(ingest::p_linear), v.drag.quadratic,
+                    v.parameter_sd(ingest::p_quadratic), v.latency_s));
   std::string settings;
   for (const auto& [name, value] : source.settings) {
     std::string text = "chosen by the flight";
@@ -162,7 +178,8 @@ void provenance(Markup& html, const Report& report) {
 
 void answer_section(Markup& html, const Report& report) {
   html.leaf("h1", "Wind profile of " + title_text(report.title));
-  html.leaf("p", when_and_where(report.title) + (report.title.vehicle.empty() ? "" : ", " + report.title.vehicle), {{"class", "facts"}});
+  html.leaf("p", when_and_where(report.title) + (report.title.vehicle.empty() ? "" : ", " + report.title.vehicle),
+            {{"class", "facts"}});
   html.leaf("p", lead_sentence(report), {{"class", "lead"}});
   const auto sure = sureness_sentence(report);
   if (!sure.empty()) paragraph(html, sure);
@@ -212,7 +229,8 @@ std::string report_html(const Report& report) {
     {
       const auto head = html.element("head");
       html.empty("meta", {{"charset", "utf-8"}});
-      html.empty("meta", {{"http-equiv", "Content-Security-Policy"}, {"content", "default-src 'none'; style-src 'unsafe-inline'"}});
+      html.empty("meta", {{"http-equiv", "Content-Security-Policy"},
+                          {"content", "default-src 'none'; style-src 'unsafe-inline'"}});
       html.empty("meta", {{"name", "viewport"}, {"content", "width=device-width, initial-scale=1"}});
       html.leaf("title", "Wind profile of " + title_text(report.title));
       const auto css = html.element("style");

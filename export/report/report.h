@@ -11,12 +11,12 @@ namespace quadsonde::product {
 
 struct Report {
   FlightTitle title;
-  const estimator::WindSeries* series = nullptr;   ///< needed
+  const estimator::WindSeries* series = nullptr;  ///< needed
   const estimator::WindSeries* classic = nullptr;
   const profiles::WindProfile* profile = nullptr;  ///< none: the page shows the wind along the flight only
   ProductSource source;
   std::vector<ReferenceLevel> reference;
-  std::vector<std::string> comparison;             ///< sentences on how the answer compares with a reference
+  std::vector<std::string> comparison;  ///< sentences on how the answer compares with a reference
 };
 
 /// HTML text. Cannot fail.

@@ -72,7 +72,8 @@ void draw_curve(Markup& svg, const Panel& panel, const std::vector<Run>& runs, c
       outline.emplace_back(line.back().first, panel.y.place(r.value + r.half));
     }
     for (auto it = part.rbegin(); it != part.rend(); ++it)
-      outline.emplace_back(panel.x.place(it->first.minutes), panel.y.place(std::max(panel.y.low, it->second.value - it->second.half)));
+      outline.emplace_back(panel.x.place(it->first.minutes),
+                           panel.y.place(std::max(panel.y.low, it->second.value - it->second.half)));
     if (band) draw_area(svg, outline, stroke, 0.17);
     draw_line(svg, line, stroke, dashes[0] ? 1.3 : 1.6, dashes);
     part.clear();
@@ -105,7 +106,8 @@ std::optional<Reading> height_of(const Instant& i) {
 }
 
 /// Lowest and highest value, with bands up to a limit.
-Axis value_axis(const std::vector<Run>& runs, const Read& read, double from, double to, double band_limit, bool angles) {
+Axis value_axis(const std::vector<Run>& runs, const Read& read, double from, double to, double band_limit,
+                bool angles) {
   double low = 1e9, high = -1e9;
   each(runs, [&](const Instant& i) {
     if (const auto r = read(i)) {
@@ -124,8 +126,8 @@ double mean_direction(const std::vector<Run>& runs) {
   return sum.norm() > 0 ? std::atan2(-sum.y(), -sum.x()) * 180 / std::numbers::pi : 180;
 }
 
-void draw_frame_of(Markup& svg, const Panel& p, std::string_view y_title, const std::function<std::string(double)>& y_label,
-                   bool x_labels) {
+void draw_frame_of(Markup& svg, const Panel& p, std::string_view y_title,
+                   const std::function<std::string(double)>& y_label, bool x_labels) {
   for (const double tick : p.x.ticks()) {
     if (tick > p.x.high) continue;
     const double x = p.x.place(tick);
@@ -137,8 +139,12 @@ void draw_frame_of(Markup& svg, const Panel& p, std::string_view y_title, const 
     svg.empty("line", {{"x1", p.left()}, {"x2", p.right()}, {"y1", y}, {"y2", y}, {"stroke", colour::rule}});
     draw_text(svg, p.left() - 8, y + 4, y_label(tick), 11, colour::grey, "end");
   }
-  svg.empty("rect", {{"x", p.left()}, {"y", p.top()}, {"width", p.right() - p.left()}, {"height", p.bottom() - p.top()},
-                     {"fill", "none"}, {"stroke", "#9aa3ad"}});
+  svg.empty("rect", {{"x", p.left()},
+                     {"y", p.top()},
+                     {"width", p.right() - p.left()},
+                     {"height", p.bottom() - p.top()},
+                     {"fill", "none"},
+                     {"stroke", "#9aa3ad"}});
   draw_text(svg, p.left(), p.top() - 7, y_title, 12);
 }
 
@@ -156,8 +162,11 @@ void draw_panels(Markup& svg, const Curves& curves, const std::string& id, bool 
   const Panel heights{minutes, value_axis(curves.ours, height_of, 172, 86, 0, false)};
   const Panel speeds{minutes, value_axis(curves.ours, speed_of, 338, 204, 3, false)};
   const Panel directions{minutes, value_axis(curves.ours, direction, 504, 370, 25, true)};
-  draw_frame_of(svg, heights, agl ? "height above take-off (m)" : "height (m)", [&](double t) { return heights.y.label(t); }, false);
-  draw_frame_of(svg, speeds, "wind speed (m/s)", [&](double t) { return speeds.y.label(t); }, false);
+  draw_frame_of(
+      svg, heights, agl ? "height above take-off (m)" : "height (m)", [&](double t) { return heights.y.label(t); },
+      false);
+  draw_frame_of(
+      svg, speeds, "wind speed (m/s)", [&](double t) { return speeds.y.label(t); }, false);
   draw_frame_of(svg, directions, "wind from (degrees, true north)", direction_label, true);
   draw_text(svg, (left + right) / 2, 540, "minutes after the start", 12, colour::black, "middle");
   const auto clipped = [&](const Panel& panel, const char* name, auto&& draw) {
@@ -178,7 +187,9 @@ void draw_panels(Markup& svg, const Curves& curves, const std::string& id, bool 
 
 void draw_legend(Markup& svg, bool classic, estimator::Mode mode) {
   const double y = 60;
-  svg.empty("rect", {{"x", left}, {"y", y - 10}, {"width", 30}, {"height", 12}, {"fill", colour::blue}, {"fill-opacity", 0.17}});
+  svg.empty(
+      "rect",
+      {{"x", left}, {"y", y - 10}, {"width", 30}, {"height", 12}, {"fill", colour::blue}, {"fill-opacity", 0.17}});
   draw_line(svg, {{left, y - 4}, {left + 30, y - 4}}, colour::blue, 2);
   draw_text(svg, left + 37, y, fmt::format("wind ({}) with 95 % interval", estimator::name(mode)), 12);
   if (!classic) return;
@@ -191,8 +202,12 @@ void draw_legend(Markup& svg, bool classic, estimator::Mode mode) {
 std::string series_svg(const WindSeries& series, const SeriesPicture& picture) {
   Markup svg;
   {
-    const auto root = svg.element("svg", {{"xmlns", "http://www.w3.org/2000/svg"}, {"viewBox", fmt::format("0 0 {} {}", width, height)},
-                                          {"width", width}, {"height", height}, {"role", "img"}, {"font-family", font_family}});
+    const auto root = svg.element("svg", {{"xmlns", "http://www.w3.org/2000/svg"},
+                                          {"viewBox", fmt::format("0 0 {} {}", width, height)},
+                                          {"width", width},
+                                          {"height", height},
+                                          {"role", "img"},
+                                          {"font-family", font_family}});
     svg.leaf("title", "Wind along the flight of " + title_text(picture.title));
     svg.empty("rect", {{"width", width}, {"height", height}, {"fill", "#ffffff"}});
     draw_text(svg, 24, 34, "Wind along the flight", 19, colour::black, "start", true);
@@ -200,7 +215,8 @@ std::string series_svg(const WindSeries& series, const SeriesPicture& picture) {
     const auto start = series.points.empty() ? ingest::LogTime{} : series.points.front().time;
     Curves curves{runs_of(series, start), picture.classic ? runs_of(*picture.classic, start) : std::vector<Run>{}, 180};
     curves.around = mean_direction(curves.ours);
-    const bool agl = std::any_of(series.points.begin(), series.points.end(), [](const auto& p) { return p.height_agl.has_value(); });
+    const bool agl =
+        std::any_of(series.points.begin(), series.points.end(), [](const auto& p) { return p.height_agl.has_value(); });
     draw_legend(svg, !curves.classic.empty(), series.mode);
     draw_panels(svg, curves, picture.id, agl);
   }

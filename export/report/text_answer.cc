@@ -40,9 +40,11 @@ std::string short_columns(const profiles::Leg* leg, std::size_t i) {
 
 std::string table_head(const profiles::WindProfile& profile, bool legs) {
   const char* datum = profile.datum == profiles::Datum::agl ? "take-off" : "sea level";
-  auto text = fmt::format("{:<12}{:>7} {:>7} {:>6} {:>7}  {:<8}", "height above", "speed", "95 %", "from", "95 %", "quality");
+  auto text =
+      fmt::format("{:<12}{:>7} {:>7} {:>6} {:>7}  {:<8}", "height above", "speed", "95 %", "from", "95 %", "quality");
   if (legs) text += "     ascent     descent";
-  text = without_tail(text) + fmt::format("\n{:<12}{:>7} {:>7} {:>6} {:>7}  {:<8}", fmt::format("{}, m", datum), "m/s", "m/s", "deg", "deg", "");
+  text = without_tail(text) + fmt::format("\n{:<12}{:>7} {:>7} {:>6} {:>7}  {:<8}", fmt::format("{}, m", datum), "m/s",
+                                          "m/s", "deg", "deg", "");
   if (legs) text += "   m/s deg     m/s deg";
   return without_tail(text) + "\n";
 }
@@ -87,7 +89,9 @@ Part collect(const std::vector<estimator::WindPoint>& points, std::size_t from, 
   for (std::size_t i = from; i < to; ++i) {
     const auto& p = points[i];
     ++part.rows;
-    const auto height = p.height_agl ? std::optional(p.height_agl->m) : p.height_msl ? std::optional(p.height_msl->m) : std::nullopt;
+    const auto height = p.height_agl   ? std::optional(p.height_agl->m)
+                        : p.height_msl ? std::optional(p.height_msl->m)
+                                       : std::nullopt;
     if (height) part.low = std::min(part.low, *height), part.high = std::max(part.high, *height);
     const auto* wind = std::get_if<WindEstimate>(&p.wind);
     if (!wind) continue;
@@ -110,7 +114,8 @@ std::string part_line(const Part& part, double start_s, double end_s) {
   const auto sd_from = part.has_covariance ? estimator::direction_sd_deg(mean) : std::nullopt;
   const auto speed_half = part.has_covariance ? fmt::format("+-{:.2f}", 1.96 * estimator::speed_sd(mean)) : "";
   return fmt::format("{}  {:>11}  {:6.2f} {:>7} {:>6} {:>7}  {}\n", time, height, report.speed_m_s, speed_half,
-                     direction_text(report.from_deg), sd_from ? fmt::format("+-{:.0f}", std::min(180.0, 1.96 * *sd_from)) : "",
+                     direction_text(report.from_deg),
+                     sd_from ? fmt::format("+-{:.0f}", std::min(180.0, 1.96 * *sd_from)) : "",
                      part.doubtful * 2 > part.count ? "doubtful" : "good");
 }
 
@@ -160,7 +165,8 @@ std::string profile_answer(const FlightTitle& title, const profiles::WindProfile
 
 std::string wind_answer(const FlightTitle& title, const estimator::WindSeries& series, const ingest::Vehicle& vehicle) {
   auto text = heading_lines(title);
-  text += fmt::format("{:<11}  {:>11}  {:>6} {:>7} {:>6} {:>7}  quality\n", "time", "height", "speed", "95 %", "from", "95 %");
+  text += fmt::format("{:<11}  {:>11}  {:>6} {:>7} {:>6} {:>7}  quality\n", "time", "height", "speed", "95 %", "from",
+                      "95 %");
   text += fmt::format("{:<11}  {:>11}  {:>6} {:>7} {:>6} {:>7}\n", "s", "m", "m/s", "m/s", "deg", "deg");
   const auto& points = series.points;
   const std::size_t parts = std::min<std::size_t>(12, std::max<std::size_t>(1, points.size() / 50));

@@ -10,9 +10,10 @@
 namespace quadsonde::product {
 
 std::string compass_word(double from_deg) {
-  static constexpr std::array<std::string_view, 16> words{
-      "north", "north-northeast", "northeast", "east-northeast", "east", "east-southeast", "southeast", "south-southeast",
-      "south", "south-southwest", "southwest", "west-southwest", "west", "west-northwest", "northwest", "north-northwest"};
+  static constexpr std::array<std::string_view, 16> words{"north", "north-northeast", "northeast", "east-northeast",
+                                                          "east",  "east-southeast",  "southeast", "south-southeast",
+                                                          "south", "south-southwest", "southwest", "west-southwest",
+                                                          "west",  "west-northwest",  "northwest", "north-northwest"};
   const double turned = std::fmod(std::fmod(from_deg, 360) + 360 + 11.25, 360);
   return std::string(words[static_cast<std::size_t>(turned / 22.5) % 16]);
 }
@@ -86,14 +87,17 @@ double middle(const profiles::Bin& bin) { return (bin.bottom + bin.top) / 2; }
 std::string wind_words(const estimator::WindEstimate& wind) {
   const auto report = estimator::to_report(wind);
   if (!report.from_deg) return fmt::format("{:.1f} m/s, direction not determined", report.speed_m_s);
-  return fmt::format("{:.1f} m/s from {:.0f} deg ({})", report.speed_m_s, *report.from_deg, compass_word(*report.from_deg));
+  return fmt::format("{:.1f} m/s from {:.0f} deg ({})", report.speed_m_s, *report.from_deg,
+                     compass_word(*report.from_deg));
 }
 
 std::vector<std::string> advice(const estimator::FlightDiagnostics& d, const ingest::Vehicle& vehicle) {
   std::vector<std::string> all;
-  if (vehicle.is_prior()) all.push_back("Give a vehicle file (--vehicle FILE): it brings the speeds from +-35 % to about +-6 %.");
+  if (vehicle.is_prior())
+    all.push_back("Give a vehicle file (--vehicle FILE): it brings the speeds from +-35 % to about +-6 %.");
   if (!d.trim_estimated)
-    all.push_back("Turn the nose through at least one full turn in flight: then the tilt trim is measured, not assumed.");
+    all.push_back(
+        "Turn the nose through at least one full turn in flight: then the tilt trim is measured, not assumed.");
   return all;
 }
 

@@ -18,7 +18,7 @@ struct FlightTitle {
   std::optional<ingest::UtcTime> start;
   std::optional<ingest::GeoPoint> place;
   double duration_s = 0;
-  std::string vehicle;       ///< as the log names it; may be empty
+  std::string vehicle;  ///< as the log names it; may be empty
   std::string autopilot;
 };
 

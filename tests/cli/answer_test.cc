@@ -26,7 +26,8 @@ TEST(Answer, OfEveryVerbFitsIn80ColumnsAndGoesToStandardOutput) {
   const support::TemporaryFolder folder;
   support::place_flight(folder / "a.csv");
   support::place_scenario(folder / "s.toml");
-  for (const auto& arguments : std::vector<std::vector<std::string>>{{"run", "a.csv"}, {"info", "a.csv"}, {"estimate", "a.csv"}, {"profile", "a.csv"}, {"simulate", "s.toml"}}) {
+  for (const auto& arguments : std::vector<std::vector<std::string>>{
+           {"run", "a.csv"}, {"info", "a.csv"}, {"estimate", "a.csv"}, {"profile", "a.csv"}, {"simulate", "s.toml"}}) {
     const auto ended = quadsonde(arguments, folder.path());
     EXPECT_THAT(ended.code, AnyOf(0, 3)) << ended.err;
     EXPECT_GT(ended.out.size(), 40u);
@@ -42,11 +43,12 @@ TEST(Answer, AsJsonIsJsonForEveryVerb) {
   const support::TemporaryFolder folder;
   support::place_flight(folder / "a.csv");
   support::place_scenario(folder / "s.toml");
-  const std::vector<std::pair<std::vector<std::string>, std::string>> calls{{{"run", "a.csv", "--json"}, "quadsonde.run/1"},
-                                                                            {{"info", "a.csv", "--json"}, "quadsonde.info/1"},
-                                                                            {{"estimate", "a.csv", "--json"}, "quadsonde.wind/1"},
-                                                                            {{"profile", "a.csv", "--json"}, "quadsonde.profile/1"},
-                                                                            {{"simulate", "s.toml", "--json"}, "quadsonde.simulation/1"}};
+  const std::vector<std::pair<std::vector<std::string>, std::string>> calls{
+      {{"run", "a.csv", "--json"}, "quadsonde.run/1"},
+      {{"info", "a.csv", "--json"}, "quadsonde.info/1"},
+      {{"estimate", "a.csv", "--json"}, "quadsonde.wind/1"},
+      {{"profile", "a.csv", "--json"}, "quadsonde.profile/1"},
+      {{"simulate", "s.toml", "--json"}, "quadsonde.simulation/1"}};
   for (const auto& [arguments, schema] : calls) {
     const auto ended = quadsonde(arguments, folder.path());
     const auto json = nlohmann::json::parse(ended.out, nullptr, false);
@@ -82,7 +84,8 @@ TEST(Settings, OfTheFileBesideTheInputAreUsedAndFlagsWin) {
 TEST(Settings, ThatNoVerbKnowsOrOutOfRangeAreRefusedWithTheirLine) {
   const support::TemporaryFolder folder;
   support::place_flight(folder / "a.csv");
-  for (const auto* text : {"leg = \"all\"\nbin_metres = 20\n", "leg = \"all\"\nbin_m = -3\n", "leg = \"all\"\nbin_m = [1, 2]\n", "leg = \"all\"\nbin_m = = 3\n"}) {
+  for (const auto* text : {"leg = \"all\"\nbin_metres = 20\n", "leg = \"all\"\nbin_m = -3\n",
+                           "leg = \"all\"\nbin_m = [1, 2]\n", "leg = \"all\"\nbin_m = = 3\n"}) {
     write_text(folder / "quadsonde.toml", text);
     const auto ended = quadsonde({"profile", "a.csv"}, folder.path());
     EXPECT_EQ(ended.code, 2) << text;

@@ -25,7 +25,8 @@ Ended refused(const support::TemporaryFolder& folder, const std::string& log) {
   std::size_t errors = 0;
   for (auto at = ended.err.find("error:"); at != std::string::npos; at = ended.err.find("error:", at + 1)) ++errors;
   EXPECT_EQ(errors, 1u) << ended.err;
-  for (const auto* forbidden : {"terminate", "what():", "std::", "Segmentation"}) EXPECT_THAT(ended.err, testing::Not(HasSubstr(forbidden)));
+  for (const auto* forbidden : {"terminate", "what():", "std::", "Segmentation"})
+    EXPECT_THAT(ended.err, testing::Not(HasSubstr(forbidden)));
   EXPECT_EQ(tree(folder.path()), before);
   return ended;
 }

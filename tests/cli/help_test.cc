@@ -24,7 +24,8 @@ TEST(Help, ListsEveryVerbAndFitsIn80Columns) {
     const auto help = quadsonde({verb, "--help"}, folder.path());
     EXPECT_EQ(help.code, 0) << verb;
     EXPECT_EQ(help.err, "") << verb;
-    for (const auto* common : {"--output", "--json", "--force", "--quiet", "--settings"}) EXPECT_THAT(help.out, HasSubstr(common)) << verb;
+    for (const auto* common : {"--output", "--json", "--force", "--quiet", "--settings"})
+      EXPECT_THAT(help.out, HasSubstr(common)) << verb;
     std::istringstream lines(help.out);
     for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 80u) << verb << ": " << line;
   }
@@ -52,7 +53,8 @@ TEST(Help, TellsUnitDefaultAndRangeOfEverySetting) {
 
 TEST(Help, NamesTheVersion) {
   const support::TemporaryFolder folder;
-  EXPECT_THAT(quadsonde({"--version"}, folder.path()).out, testing::MatchesRegex("quadsonde [0-9]+\\.[0-9]+\\.[0-9]+\n"));
+  EXPECT_THAT(quadsonde({"--version"}, folder.path()).out,
+              testing::MatchesRegex("quadsonde [0-9]+\\.[0-9]+\\.[0-9]+\n"));
 }
 
 TEST(Usage, WrongOnesExitWith2AndSayWhereTheHelpIs) {

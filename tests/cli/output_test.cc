@@ -21,11 +21,12 @@ TEST(Outputs, AreNeverOverwrittenWithoutForce) {
   const support::TemporaryFolder folder;
   support::place_flight(folder / "a.csv");
   support::place_scenario(folder / "s.toml");
-  for (const auto& arguments : std::vector<std::vector<std::string>>{{"profile", "a.csv", "-o", "x.csv"},
-                                                                    {"estimate", "a.csv", "-o", "x.json"},
-                                                                    {"convert", "a.csv", "-o", "x.mcap"},
-                                                                    {"simulate", "s.toml", "-o", "y.mcap", "--truth", "t.csv"},
-                                                                    {"info", "a.csv", "-o", "i.json"}}) {
+  for (const auto& arguments :
+       std::vector<std::vector<std::string>>{{"profile", "a.csv", "-o", "x.csv"},
+                                             {"estimate", "a.csv", "-o", "x.json"},
+                                             {"convert", "a.csv", "-o", "x.mcap"},
+                                             {"simulate", "s.toml", "-o", "y.mcap", "--truth", "t.csv"},
+                                             {"info", "a.csv", "-o", "i.json"}}) {
     support::write_text(folder / arguments[3], "mine");
     const auto refused = quadsonde(arguments, folder.path());
     EXPECT_EQ(refused.code, 2) << arguments[0] << refused.err;
@@ -37,7 +38,8 @@ TEST(Outputs, AreNeverOverwrittenWithoutForce) {
     EXPECT_THAT(done.code, testing::AnyOf(0, 3)) << arguments[0] << done.err;
     EXPECT_NE(read_text(folder / arguments[3]), "mine") << arguments[0];
   }
-  EXPECT_EQ(tree(folder.path()), (std::vector<std::string>{"a.csv", "i.json", "s.toml", "t.csv", "x.csv", "x.json", "x.mcap", "y.mcap"}));
+  EXPECT_EQ(tree(folder.path()),
+            (std::vector<std::string>{"a.csv", "i.json", "s.toml", "t.csv", "x.csv", "x.json", "x.mcap", "y.mcap"}));
 }
 
 TEST(Outputs, OfTwoRunsAreEqualByteForByte) {
@@ -90,10 +92,11 @@ TEST(Outputs, OnADiskThatFillsUpInTheMiddleLeaveNothing) {
   const support::TemporaryFolder folder;
   support::place_flight(folder / "a.csv");
   support::place_scenario(folder / "s.toml");
-  for (const auto& arguments : std::vector<std::vector<std::string>>{{"run", "a.csv", "-o", "out"},
-                                                                    {"estimate", "a.csv", "-o", "w.csv"},
-                                                                    {"convert", "a.csv", "-o", "c.mcap"},
-                                                                    {"simulate", "s.toml", "-o", "s.csv", "--truth", "t.csv"}}) {
+  for (const auto& arguments :
+       std::vector<std::vector<std::string>>{{"run", "a.csv", "-o", "out"},
+                                             {"estimate", "a.csv", "-o", "w.csv"},
+                                             {"convert", "a.csv", "-o", "c.mcap"},
+                                             {"simulate", "s.toml", "-o", "s.csv", "--truth", "t.csv"}}) {
     const auto ended = support::quadsonde_on_full_disk(arguments, folder.path(), 20'000);
     EXPECT_EQ(ended.code, 1) << arguments[0] << ended.err;
     EXPECT_THAT(ended.err, HasSubstr("cannot write")) << arguments[0];
@@ -105,7 +108,8 @@ TEST(Interrupt, EndsWith130WithinASecondAndLeavesNothing) {
   const support::TemporaryFolder folder;
   // Two hours at 10 Hz: minutes of work, so the interrupt meets it at work.
   support::write_text(folder / "long.toml",
-                      "start_height_m = 10\n[wind]\nspeed_m_s = 4\nfrom_deg = 20\n[[path]]\nkind = \"hover\"\nduration_s = 7200\nyaw_rate_deg_s = 20\n");
+                      "start_height_m = 10\n[wind]\nspeed_m_s = 4\nfrom_deg = 20\n[[path]]\nkind = "
+                      "\"hover\"\nduration_s = 7200\nyaw_rate_deg_s = 20\n");
   ASSERT_EQ(quadsonde({"simulate", "long.toml", "-o", "long.mcap"}, folder.path()).code, 0);
   const auto before = tree(folder.path());
   for (const double after : {0.05, 0.3, 1.0}) {

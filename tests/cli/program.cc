@@ -16,8 +16,8 @@
 namespace quadsonde::support {
 namespace {
 
-[[noreturn]] void become(const std::vector<std::string>& arguments, const std::filesystem::path& folder, const std::filesystem::path& out,
-                         const std::filesystem::path& err, std::uint64_t most_bytes) {
+[[noreturn]] void become(const std::vector<std::string>& arguments, const std::filesystem::path& folder,
+                         const std::filesystem::path& out, const std::filesystem::path& err, std::uint64_t most_bytes) {
   if (most_bytes) {
     const rlimit limit{most_bytes, most_bytes};
     ::setrlimit(RLIMIT_FSIZE, &limit);
@@ -28,7 +28,8 @@ namespace {
   auto copies = arguments;
   for (auto& argument : copies) argv.push_back(argument.data());
   argv.push_back(nullptr);
-  const int out_fd = ::open(out.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600), err_fd = ::open(err.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+  const int out_fd = ::open(out.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600),
+            err_fd = ::open(err.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
   ::dup2(out_fd, 1), ::dup2(err_fd, 2);
   if (::chdir(folder.c_str()) != 0) ::_exit(126);
   ::execv(argv[0], argv.data());
@@ -47,7 +48,8 @@ std::vector<std::string> cells_of(const std::string& line) {
   return cells;
 }
 
-Ended start(const std::vector<std::string>& arguments, const std::filesystem::path& folder, double interrupt_after_s, std::uint64_t most_bytes) {
+Ended start(const std::vector<std::string>& arguments, const std::filesystem::path& folder, double interrupt_after_s,
+            std::uint64_t most_bytes) {
   const TemporaryFolder streams;
   const auto out = streams / "out", err = streams / "err";
   const pid_t child = ::fork();
@@ -63,24 +65,28 @@ Ended start(const std::vector<std::string>& arguments, const std::filesystem::pa
 
 }  // namespace
 
-Ended quadsonde(const std::vector<std::string>& arguments, const std::filesystem::path& folder, double interrupt_after_s) {
+Ended quadsonde(const std::vector<std::string>& arguments, const std::filesystem::path& folder,
+                double interrupt_after_s) {
   return start(arguments, folder, interrupt_after_s, 0);
 }
 
-Ended quadsonde_on_full_disk(const std::vector<std::string>& arguments, const std::filesystem::path& folder, std::uint64_t bytes) {
+Ended quadsonde_on_full_disk(const std::vector<std::string>& arguments, const std::filesystem::path& folder,
+                             std::uint64_t bytes) {
   return start(arguments, folder, -1, bytes);
 }
 
 std::vector<std::string> tree(const std::filesystem::path& folder) {
   std::vector<std::string> all;
-  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) all.push_back(std::filesystem::relative(entry.path(), folder).string());
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder))
+    all.push_back(std::filesystem::relative(entry.path(), folder).string());
   std::sort(all.begin(), all.end());
   return all;
 }
 
 void place_flight(const std::filesystem::path& csv) { write_text(csv, flight_table()); }
 
-void place_changed_flight(const std::filesystem::path& csv, const std::function<std::string(std::string, std::size_t)>& change) {
+void place_changed_flight(const std::filesystem::path& csv,
+                          const std::function<std::string(std::string, std::size_t)>& change) {
   std::istringstream lines(flight_table());
   std::string text;
   std::size_t number = 0;

@@ -29,7 +29,8 @@ inline estimator::WindPoint point_at(double time_s, double height, estimator::Ma
   p.height_msl = ingest::MslHeight{150 + height};
   p.height_agl = ingest::GroundHeight{height};
   p.wind = wind;
-  p.quality = std::holds_alternative<estimator::WindEstimate>(wind) ? estimator::Quality::good : estimator::Quality::none;
+  p.quality =
+      std::holds_alternative<estimator::WindEstimate>(wind) ? estimator::Quality::good : estimator::Quality::none;
   return p;
 }
 
@@ -68,7 +69,8 @@ inline profiles::Bin bin_at(double bottom, double speed, double from_deg, double
   return bin;
 }
 
-/// Ascent, descent and both, 10 to 240 m, a jet at 180 m; one empty bin in the descent; the lowest descent bins doubtful.
+/// Ascent, descent and both, 10 to 240 m, a jet at 180 m; one empty bin in the descent; the lowest descent bins
+/// doubtful.
 inline profiles::WindProfile made_up_profile(double wobble = 0.35) {
   profiles::WindProfile profile;
   profiles::Leg up{profiles::LegName::up, {}}, down{profiles::LegName::down, {}}, all{profiles::LegName::all, {}};
@@ -97,8 +99,12 @@ inline product::ProductSource made_up_source() {
   source.sha256 = "00ff";
   source.flight = 2;
   source.vehicle = ingest::class_prior();
-  source.settings = {{"bin_m", 10.0}, {"turbulence_sd_m_s", std::monostate{}}, {"jump_test", true}, {"vehicle", std::string("auto")}};
-  source.problems = {{ingest::Kind::damaged, "a record is cut", {"/somewhere/hover.ulg", 17, {}, "vehicle_attitude"}, "nothing to do"}};
+  source.settings = {
+      {"bin_m", 10.0}, {"turbulence_sd_m_s", std::monostate{}}, {"jump_test", true}, {"vehicle", std::string("auto")}};
+  source.problems = {{ingest::Kind::damaged,
+                      "a record is cut",
+                      {"/somewhere/hover.ulg", 17, {}, "vehicle_attitude"},
+                      "nothing to do"}};
   return source;
 }
 

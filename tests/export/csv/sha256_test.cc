@@ -19,7 +19,8 @@ TEST(Sha256, GivesTheDigestOfAMillionLettersAInPiecesOfAnySize) {
   const std::string letters(1'000'000, 'a');
   for (const std::size_t piece : {1UL, 63UL, 64UL, 65UL, 4096UL}) {
     Sha256 hash;
-    for (std::size_t at = 0; at < letters.size(); at += piece) hash.update(ingest::as_bytes(std::string_view(letters).substr(at, piece)));
+    for (std::size_t at = 0; at < letters.size(); at += piece)
+      hash.update(ingest::as_bytes(std::string_view(letters).substr(at, piece)));
     EXPECT_EQ(hash.hex(), "cdc76e5c9914fb9281a1c7e284d73e67f1809a48a497200e046d39ccc7112cd0") << piece;
   }
 }

@@ -9,7 +9,8 @@ namespace quadsonde::product {
 namespace {
 
 ingest::Truth two_rows() {
-  return {{ingest::LogTime{100'000'000}, {10}, {-1.5, 2.25, 0.125}}, {ingest::LogTime{200'000'000}, {10.5}, {-1.25, 2, -0.5}}};
+  return {{ingest::LogTime{100'000'000}, {10}, {-1.5, 2.25, 0.125}},
+          {ingest::LogTime{200'000'000}, {10.5}, {-1.25, 2, -0.5}}};
 }
 
 TEST(TruthCsv, HasTheColumnsOfTheContract) {
@@ -31,7 +32,8 @@ TEST(TruthCsv, IsReadBackAsItWasWritten) {
 }
 
 TEST(TruthCsv, TakesColumnsInAnyOrderAndLeavesOthersAlone) {
-  const auto read = parse_truth_csv("note,wind_up_m_s,wind_north_m_s,wind_east_m_s,height_agl_m,time_s\r\nx,0,1,2,3,4\r\n", "t.csv");
+  const auto read =
+      parse_truth_csv("note,wind_up_m_s,wind_north_m_s,wind_east_m_s,height_agl_m,time_s\r\nx,0,1,2,3,4\r\n", "t.csv");
   ASSERT_TRUE(read);
   EXPECT_EQ((*read)[0].v_NA_N, Eigen::Vector3d(1, 2, 0));
   EXPECT_EQ((*read)[0].time, ingest::LogTime{4'000'000'000});

@@ -29,7 +29,8 @@ estimator::WindSeries biased_series() {
 }
 ingest::Truth steady_truth() {
   ingest::Truth truth;
-  for (int i = 0; i <= 20; ++i) truth.push_back({ingest::LogTime{ingest::seconds(0.5 * i).count()}, {5 + 1.5 * i}, {4, 0, 0}});
+  for (int i = 0; i <= 20; ++i)
+    truth.push_back({ingest::LogTime{ingest::seconds(0.5 * i).count()}, {5 + 1.5 * i}, {4, 0, 0}});
   return truth;
 }
 
@@ -49,10 +50,12 @@ TEST(CompareWithTruth, GivesTheErrorsThatWereMade) {
 }
 
 TEST(CompareWithTruth, TakesTheTruthLinearBetweenItsSamplesAndNeverAcrossAGap) {
-  ingest::Truth truth{{ingest::LogTime{0}, {0}, {0, 0, 0}}, {ingest::LogTime{1'000'000'000}, {0}, {10, 0, 0}},
+  ingest::Truth truth{{ingest::LogTime{0}, {0}, {0, 0, 0}},
+                      {ingest::LogTime{1'000'000'000}, {0}, {10, 0, 0}},
                       {ingest::LogTime{9'000'000'000}, {0}, {10, 0, 0}}};
   estimator::WindSeries series;
-  series.points = {point_at(0.25, 10, wind_of(2.5, 0)), point_at(5, 10, wind_of(10, 0)), point_at(20, 10, wind_of(10, 0))};
+  series.points = {point_at(0.25, 10, wind_of(2.5, 0)), point_at(5, 10, wind_of(10, 0)),
+                   point_at(20, 10, wind_of(10, 0))};
   const auto s = compare_with_truth(series, nullptr, nullptr, truth).samples;
   EXPECT_EQ(s.n, 1u);
   EXPECT_NEAR(s.rmsve, 0, 1e-12);
@@ -80,7 +83,8 @@ TEST(CompareWithTruth, ScoresBinsAgainstTheTruthOfTheSameTimes) {
 }
 
 TEST(CompareWithTruth, SaysWhenNothingCanBeCompared) {
-  const auto comparison = compare_with_truth(biased_series(), nullptr, nullptr, {{ingest::LogTime{INT64_MAX / 2}, {0}, {1, 1, 1}}});
+  const auto comparison =
+      compare_with_truth(biased_series(), nullptr, nullptr, {{ingest::LogTime{INT64_MAX / 2}, {0}, {1, 1, 1}}});
   EXPECT_EQ(comparison.samples.n, 0u);
   EXPECT_THAT(comparison_sentences(comparison).at(0), testing::HasSubstr("no instant in common"));
 }

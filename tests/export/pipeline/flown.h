@@ -47,7 +47,9 @@ inline ingest::Simulation flown(const std::string& toml = ascent_toml()) {
   return std::move(*simulation);
 }
 
-inline void write_text(const std::filesystem::path& path, const std::string& text) { write_bytes(path, {text.begin(), text.end()}); }
+inline void write_text(const std::filesystem::path& path, const std::string& text) {
+  write_bytes(path, {text.begin(), text.end()});
+}
 inline std::string read_text(const std::filesystem::path& path) {
   const auto bytes = read_bytes(path);
   return {bytes.begin(), bytes.end()};

@@ -105,7 +105,9 @@ TEST(Inspect, FitsIn80Columns) {
 // A hover cut out of a longer log (the mast flights are such) shows no take-off; it is a flight all the same.
 TEST(LoadLog, TakesAHoverWithoutTakeoffAsAFlightAndSaysSo) {
   const support::TemporaryFolder folder;
-  auto flight = support::flown(std::string("start_height_m = 10\n[wind]\nspeed_m_s = 3\nturbulence_sd_m_s = 0.1\n") + hover).flight;
+  auto flight =
+      support::flown(std::string("start_height_m = 10\n[wind]\nspeed_m_s = 3\nturbulence_sd_m_s = 0.1\n") + hover)
+          .flight;
   for (auto& v : flight.velocity.value) v *= 0.2;  // slower than anything that tells flight from standing
   flight.height_ground = {}, flight.local_position = {};
   for (auto& h : flight.height_msl.value) h.m = 160;

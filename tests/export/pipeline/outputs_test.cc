@@ -11,7 +11,9 @@ namespace {
 using support::read_text;
 namespace fs = std::filesystem;
 
-std::size_t entries(const fs::path& folder) { return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder), {})); }
+std::size_t entries(const fs::path& folder) {
+  return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder), {}));
+}
 
 TEST(Outputs, AppearTogetherAndOnlyAtTheCommit) {
   const support::TemporaryFolder folder;

@@ -58,7 +58,8 @@ TEST(RunLog, FindsTheWindThatWasThere) {
   ASSERT_TRUE(result) << ingest::to_string(result.error());
   const auto& comparison = *result->flights.at(0).answer.comparison;
   EXPECT_GT(comparison.samples.n, 500u);
-  EXPECT_LT(comparison.samples.rmsve, 0.6) << "an 80 s flight with a turning nose; gates with tighter limits fly longer";
+  EXPECT_LT(comparison.samples.rmsve, 0.6)
+      << "an 80 s flight with a turning nose; gates with tighter limits fly longer";
   EXPECT_GT(*comparison.samples.inside95, 0.85);
 }
 
@@ -69,7 +70,8 @@ TEST(RunLog, GivesTheSameBytesEveryTime) {
   ASSERT_TRUE(run_log(first));
   ASSERT_TRUE(run_log(second));
   for (const auto& entry : fs::directory_iterator(flown.folder / "out/ascent"))
-    EXPECT_EQ(read_text(entry.path()), read_text(flown.folder / "again/ascent" / entry.path().filename().string())) << entry.path();
+    EXPECT_EQ(read_text(entry.path()), read_text(flown.folder / "again/ascent" / entry.path().filename().string()))
+        << entry.path();
 }
 
 TEST(RunLog, OfItsOwnMcapGivesTheSameWind) {
@@ -158,7 +160,8 @@ TEST(ChooseVehicle, ScalesTheDragToTheMassFlownAndRefusesWithoutAMassToScaleFrom
   const auto refused = choose_vehicle({(folder / "v.toml").string(), 1.0}, "a.ulg");
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().kind, ingest::Kind::usage);
-  EXPECT_EQ(choose_vehicle({"auto", 1.0}, folder / "a.ulg")->notes.size(), 1u) << "a prior has no mass: said, not refused";
+  EXPECT_EQ(choose_vehicle({"auto", 1.0}, folder / "a.ulg")->notes.size(), 1u)
+      << "a prior has no mass: said, not refused";
 }
 
 TEST(ChooseFlights, TakesTheLongestAndSaysSoOrWhatWasAskedFor) {

@@ -18,7 +18,8 @@ using testing::HasSubstr;
 using testing::Not;
 
 FlightTitle title() {
-  return {"a<b>&.ulg", 1, 2, ingest::UtcTime{1'750'000'000'000'000'000}, ingest::GeoPoint{43.5657, 1.4815}, 460, "quad \"7\"", "PX4"};
+  return {"a<b>&.ulg",  1,    2, ingest::UtcTime{1'750'000'000'000'000'000}, ingest::GeoPoint{43.5657, 1.4815}, 460,
+          "quad \"7\"", "PX4"};
 }
 
 std::size_t count(const std::string& text, const std::string& part) {
@@ -35,7 +36,8 @@ TEST(ProfilePicture, IsWellFormedWhateverTheLogCallsItself) {
 
 TEST(ProfilePicture, LoadsNothingFromElsewhere) {
   const auto svg = profile_svg(support::made_up_profile(), {title(), "", {}, "true wind", "profile"});
-  for (const auto* word : {"href", "<image", "<style", "@import", "<script", "url(http"}) EXPECT_THAT(svg, Not(HasSubstr(word))) << word;
+  for (const auto* word : {"href", "<image", "<style", "@import", "<script", "url(http"})
+    EXPECT_THAT(svg, Not(HasSubstr(word))) << word;
   EXPECT_EQ(count(svg, "http"), 1u) << "the namespace of SVG and nothing else";
 }
 

@@ -17,7 +17,8 @@ struct Made {
   profiles::WindProfile profile = support::made_up_profile();
   Report report;
   Made() {
-    report.title = {"a.ulg", 1, 1, ingest::UtcTime{1'750'000'000'000'000'000}, ingest::GeoPoint{43.5, 1.4}, 460, "quad", "PX4"};
+    report.title = {"a.ulg", 1,      1,    ingest::UtcTime{1'750'000'000'000'000'000}, ingest::GeoPoint{43.5, 1.4},
+                    460,     "quad", "PX4"};
     report.series = &series, report.profile = &profile;
     report.source = support::made_up_source();
   }
@@ -26,7 +27,9 @@ struct Made {
 TEST(Report, AnswersFirstAndTellsWhereItComesFrom) {
   const Made made;
   const auto html = report_html(made.report);
-  const auto answer = html.find("The wind was 2.6 m/s from 252 deg (west-southwest) at 15 m and 7.0 m/s from 272 deg (west) at 235 m above take-off.");
+  const auto answer = html.find(
+      "The wind was 2.6 m/s from 252 deg (west-southwest) at 15 m and 7.0 m/s from 272 deg (west) at 235 m above "
+      "take-off.");
   ASSERT_NE(answer, std::string::npos);
   EXPECT_LT(answer, html.find("<table"));
   EXPECT_LT(html.find("<table"), html.find("<svg"));
@@ -40,7 +43,8 @@ TEST(Report, LoadsAndRunsNothing) {
   const Made made;
   const auto html = report_html(made.report);
   EXPECT_THAT(html, HasSubstr("default-src &#39;none&#39;; style-src &#39;unsafe-inline&#39;"));
-  for (const auto* word : {"<script", "href=", "src=", "@import", "onload"}) EXPECT_THAT(html, Not(HasSubstr(word))) << word;
+  for (const auto* word : {"<script", "href=", "src=", "@import", "onload"})
+    EXPECT_THAT(html, Not(HasSubstr(word))) << word;
 }
 
 TEST(Report, CannotBeBrokenByNamesInTheLog) {

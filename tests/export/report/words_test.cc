@@ -43,7 +43,8 @@ TEST(ProfileAnswer, FitsIn80ColumnsOfPlainAscii) {
     for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 100u) << line;
     std::istringstream again(text);
     int too_long = 0;
-    for (std::string line; std::getline(again, line);) too_long += line.size() > 80 && line.find("vvv") == std::string::npos;
+    for (std::string line; std::getline(again, line);)
+      too_long += line.size() > 80 && line.find("vvv") == std::string::npos;
     EXPECT_EQ(too_long, 0) << text;
     EXPECT_TRUE(std::all_of(text.begin(), text.end(), [](char c) { return c == '\n' || (c >= 32 && c < 127); }));
   }
@@ -52,7 +53,8 @@ TEST(ProfileAnswer, FitsIn80ColumnsOfPlainAscii) {
 TEST(ProfileAnswer, SaysWhatItRestsOnAndWhatWouldMakeItBetter) {
   auto diagnostics = support::made_up_series().diagnostics;
   diagnostics.trim_estimated = false;
-  const auto text = profile_answer({"a.ulg", 1, 1, {}, {}, 460, "", ""}, support::made_up_profile(), diagnostics, ingest::class_prior());
+  const auto text = profile_answer({"a.ulg", 1, 1, {}, {}, 460, "", ""}, support::made_up_profile(), diagnostics,
+                                   ingest::class_prior());
   EXPECT_THAT(text, HasSubstr("No vehicle file"));
   EXPECT_THAT(text, HasSubstr("35 %"));
   EXPECT_THAT(text, HasSubstr("--vehicle FILE"));

@@ -40,7 +40,8 @@ struct Clean {
 class CleanFlight : public testing::TestWithParam<Clean> {};
 
 TEST_P(CleanFlight, IsNeverCondemnedNorDoubted) {
-  const HeadingRule rules[] = {{HeadingRule::Kind::turning, 0, 17}, {HeadingRule::Kind::along_track, 0, 0}, {HeadingRule::Kind::fixed, 40, 0}};
+  const HeadingRule rules[] = {
+      {HeadingRule::Kind::turning, 0, 17}, {HeadingRule::Kind::along_track, 0, 0}, {HeadingRule::Kind::fixed, 40, 0}};
   int alarms = 0;
   for (int seed = 1; seed <= seeds; ++seed) {
     auto scenario = scenario_of(GetParam().manoeuvre, rules[seed % 3], 120, 1000 + static_cast<std::uint64_t>(seed));

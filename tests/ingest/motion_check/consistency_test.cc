@@ -88,7 +88,8 @@ TEST(ConsistencyCheck, TakesAHoverForNoEvidence) {
   const auto report = checked(hover);
   EXPECT_EQ(report.verdict, Verdict::cannot_be_shown) << described(report);
   const auto listed = [&](const char* text) {
-    return std::any_of(report.cannot_show.begin(), report.cannot_show.end(), [&](const auto& s) { return s.find(text) != s.npos; });
+    return std::any_of(report.cannot_show.begin(), report.cannot_show.end(),
+                       [&](const auto& s) { return s.find(text) != s.npos; });
   };
   EXPECT_TRUE(listed("wrong sign"));
   EXPECT_TRUE(listed("0.20 s"));

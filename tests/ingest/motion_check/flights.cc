@@ -22,9 +22,15 @@ Scenario scenario_of(Manoeuvre manoeuvre, HeadingRule heading, double duration, 
   leg.speed = 3;
   leg.heading = heading;
   switch (manoeuvre) {
-    case Manoeuvre::hover: leg.kind = PathLeg::Kind::hover; break;
-    case Manoeuvre::circle: leg.kind = PathLeg::Kind::circle; break;
-    case Manoeuvre::square: leg.kind = PathLeg::Kind::square; break;
+    case Manoeuvre::hover:
+      leg.kind = PathLeg::Kind::hover;
+      break;
+    case Manoeuvre::circle:
+      leg.kind = PathLeg::Kind::circle;
+      break;
+    case Manoeuvre::square:
+      leg.kind = PathLeg::Kind::square;
+      break;
     case Manoeuvre::line:
       leg.kind = PathLeg::Kind::line;
       leg.back_and_forth = true;
@@ -82,7 +88,9 @@ Flight without_position(Flight flight) {
 }
 
 std::vector<Spoilt> spoilt_flights(double duration) {
-  const auto square = [duration](std::uint64_t seed, double latency = 0) { return without_position(flown(telling_square(duration, seed, latency))); };
+  const auto square = [duration](std::uint64_t seed, double latency = 0) {
+    return without_position(flown(telling_square(duration, seed, latency)));
+  };
   const auto angles = [square](std::function<void(EulerAngles&)> change) {
     return [=](std::uint64_t seed) { return with_angles(square(seed), change); };
   };
@@ -103,15 +111,18 @@ std::vector<Spoilt> spoilt_flights(double duration) {
       {"KnotsReadAsMetresPerSecond", velocity_scale, velocity([](auto& v) { v /= 0.514444; })},
       {"MilesPerHourReadAsMetresPerSecond", velocity_scale, velocity([](auto& v) { v /= 0.44704; })},
       {"CentimetresReadAsMetres", velocity_scale, velocity([](auto& v) { v *= 100; })},
-      {"RadiansReadAsDegrees", tilt_scale, angles([](auto& e) { e.roll /= degrees, e.pitch /= degrees, e.yaw /= degrees; })},
-      {"DegreesReadAsRadians", tilt_scale, angles([](auto& e) { e.roll *= degrees, e.pitch *= degrees, e.yaw *= degrees; })},
+      {"RadiansReadAsDegrees", tilt_scale,
+       angles([](auto& e) { e.roll /= degrees, e.pitch /= degrees, e.yaw /= degrees; })},
+      {"DegreesReadAsRadians", tilt_scale,
+       angles([](auto& e) { e.roll *= degrees, e.pitch *= degrees, e.yaw *= degrees; })},
       {"YawMissing", yaw_not_applied, angles([](auto& e) { e.yaw = 0; })},
       {"VelocityInHeadingAxes", yaw_not_applied, [=](std::uint64_t seed) { return in_heading_axes(square(seed)); }},
       {"LatencyIgnored", latency, [=](std::uint64_t seed) { return square(seed, 0.2); }},
       {"UpReadAsDown", vertical_velocity,
        [=](std::uint64_t seed) {
-         return with_velocity(flown(scenario_of(Manoeuvre::ascent, {HeadingRule::Kind::turning, 0, 17}, duration / 2, seed)),
-                              [](auto& v) { v.z() = -v.z(); });
+         return with_velocity(
+             flown(scenario_of(Manoeuvre::ascent, {HeadingRule::Kind::turning, 0, 17}, duration / 2, seed)),
+             [](auto& v) { v.z() = -v.z(); });
        }},
   };
 }

@@ -20,7 +20,8 @@ MotionCourse level(double duration) {
   return course;
 }
 
-MotionState last(const MotionCourse& course, const MotionParameters& p, double t, const Vector2d& v0 = Vector2d::Zero()) {
+MotionState last(const MotionCourse& course, const MotionParameters& p, double t,
+                 const Vector2d& v0 = Vector2d::Zero()) {
   const auto states = integrate(course, v0, Vector2d::Zero(), p, {t});
   EXPECT_TRUE(states) << (states ? "" : to_string(states.error()));
   return states ? states->back() : MotionState{};

@@ -15,7 +15,8 @@ TEST(VelocityAgainstPosition, AgreesOnACleanFlight) {
 }
 
 TEST(VelocityAgainstPosition, SeesKnots) {
-  const auto seen = velocity_against_position(with_velocity(flown(telling_square(120, 1)), [](auto& v) { v /= 0.514444; }));
+  const auto seen =
+      velocity_against_position(with_velocity(flown(telling_square(120, 1)), [](auto& v) { v /= 0.514444; }));
   ASSERT_TRUE(seen);
   EXPECT_NEAR(seen->map(0, 0), 0.514, 5 * seen->sd);
   EXPECT_NEAR(seen->map(1, 1), 0.514, 5 * seen->sd);

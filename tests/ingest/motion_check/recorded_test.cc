@@ -21,7 +21,8 @@ Flight longest(const std::filesystem::path& file, const std::optional<std::files
   const auto& flight = log->flights.front();
   const auto segments = airborne_segments(flight);
   if (segments.empty()) return flight;
-  const auto best = *std::max_element(segments.begin(), segments.end(), [](const auto& a, const auto& b) { return a.to - a.from < b.to - b.from; });
+  const auto best = *std::max_element(segments.begin(), segments.end(),
+                                      [](const auto& a, const auto& b) { return a.to - a.from < b.to - b.from; });
   return cut(flight, best.from, best.to);
 }
 
@@ -53,13 +54,16 @@ TEST(RecordedFlight, WhosePitchIsNoBodyPitchIsCondemned) {
 }
 
 TEST(RecordedFlight, BesideTheMastIsNotCondemned) {
-  for (const char* name : {"derived_FLY139__20210420_092926__Hover.csv.gz", "derived_FLY139__20210420_093827__Square.csv.gz",
-                           "derived_FLY168__20210503_143909__Vertical3ms.csv.gz"}) {
+  for (const char* name :
+       {"derived_FLY139__20210420_092926__Hover.csv.gz", "derived_FLY139__20210420_093827__Square.csv.gz",
+        "derived_FLY168__20210503_143909__Vertical3ms.csv.gz"}) {
     const auto file = std::string("flights/epfl_wemuav/") + name;
     QUADSONDE_NEEDS_DATA(file);
     const auto report = checked(longest(support::data_file(file)));
     EXPECT_NE(report.verdict, Verdict::inconsistent) << name << "\n" << to_text(report);
-    if (std::string_view(name).find("Hover") != std::string_view::npos) EXPECT_EQ(report.verdict, Verdict::cannot_be_shown);
+    if (std::string_view(name).find("Hover") != std::string_view::npos) {
+      EXPECT_EQ(report.verdict, Verdict::cannot_be_shown);
+    }
   }
 }
 
