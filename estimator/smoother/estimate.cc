@@ -412,10 +412,6 @@ class Estimation {
     d.sigma_u = pass_.model.turbulence_sd;
     d.excitation = excitation();
     for (const auto& step : steps_.steps) d.max_tilt_deg = std::max(d.max_tilt_deg, step.tilt / degree);
-    if (density_.standard && settings_.mode != Mode::classic)
-      series_.problems.push_back({Kind::doubtful,
-                                  fmt::format("the air density {:.3f} kg/m3 is that of the standard atmosphere", density_.value),
-                                  {}, "give --air-density-kg-m3 or a temperature and pressure record with --sensor"});
   }
 
   /// X = rms of (v - its projection on span{1, exp(i psi)}), v as N + iE [m/s].
