@@ -17,6 +17,9 @@ bool is_set(const char* name) {
   return value && *value;
 }
 
+/// To standard error, which may be a closed pipe: what cannot be said there is not worth ending for.
+void write_error(const std::string& text) { std::fputs(text.c_str(), stderr); }
+
 /// Where and what; the next step gets a line of its own.
 std::string fact_of(const ingest::Problem& problem) {
   const auto where = ingest::to_string(problem.where);
@@ -53,10 +56,10 @@ void Console::say(const char* colour, std::string_view label, const std::string&
                     (next.empty() ? "" : "\n" + product::wrapped("  -> " + printable(next), 79, 5));
   if (colour_) {
     const auto from = body.find(label);
-    fmt::print(stderr, "{}\033[{}m{}\033[0m{}\n", body.substr(0, from), colour, label,
-               body.substr(from + label.size()));
+    write_error(fmt::format("{}\033[{}m{}\033[0m{}\n", body.substr(0, from), colour, label,
+                            body.substr(from + label.size())));
   } else {
-    fmt::print(stderr, "{}\n", body);
+    write_error(fmt::format("{}\n", body));
   }
 }
 
@@ -81,15 +84,15 @@ void Console::progress(std::string_view stage, double share) {
   const std::lock_guard lock(mutex_);
   constexpr int width = 30;
   const int full = static_cast<int>(std::clamp(share, 0.0, 1.0) * width);
-  fmt::print(stderr, "\r[{}{}] {:<30}", std::string(static_cast<std::size_t>(full), '='),
-             std::string(static_cast<std::size_t>(width - full), ' '), stage);
+  write_error(fmt::format("\r[{}{}] {:<30}", std::string(static_cast<std::size_t>(full), '='),
+                          std::string(static_cast<std::size_t>(width - full), ' '), stage));
   std::fflush(stderr);
   bar_shown_ = true;
 }
 
 void Console::clear_progress() {
   const std::lock_guard lock(mutex_);
-  if (bar_shown_) fmt::print(stderr, "\r{}\r", std::string(70, ' '));
+  if (bar_shown_) write_error(fmt::format("\r{}\r", std::string(70, ' ')));
   bar_shown_ = false;
 }
 

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <cstdlib>
 
 #include "tests/cli/program.h"
 #include "tests/export/pipeline/flown.h"
@@ -119,6 +120,17 @@ TEST(Interrupt, EndsWith130WithinASecondAndLeavesNothing) {
     EXPECT_EQ(ended.code, 130) << after << ended.err;
     EXPECT_LT(took - after, 10) << "within a second where the machine is not busy with other tests";
     EXPECT_EQ(tree(folder.path()), before) << after;
+  }
+}
+
+// Standard error into a pipe that nobody reads ended the program with SIGABRT: fmt throws where stdio only says no.
+TEST(Output, IntoAClosedPipeEndsWithTheExitCodeOfTheAnswer) {
+  const support::TemporaryFolder folder;
+  support::write_text(folder / "run.sh", "{ '" QUADSONDE_PROGRAM "' info missing.ulg 2>&1; echo $? > code; } | true\n");
+  const std::string command = "cd '" + folder.path().string() + "' && bash run.sh";
+  for (int i = 0; i < 5; ++i) {
+    ASSERT_EQ(std::system(command.c_str()), 0);
+    EXPECT_EQ(support::read_bytes(folder / "code"), (std::vector<std::uint8_t>{'1', '\n'}));
   }
 }
 
