@@ -25,6 +25,25 @@ std::filesystem::path numbered(const std::filesystem::path& path, int flight, bo
   return path.parent_path() / fmt::format("{}-{}{}", path.stem().string(), flight, path.extension().string());
 }
 
+bool wants_json(const Call& call) { return call.common.json || call.output(); }
+
+int give(const Call& call, const std::vector<std::string>& texts) {
+  if (!wants_json(call)) {
+    for (std::size_t i = 0; i < texts.size(); ++i) call.console.print((i ? "\n" : "") + texts[i]);
+    return complete;
+  }
+  const auto text = texts.size() == 1 ? texts.front() : product::json_list(texts);
+  if (!call.output()) {
+    call.console.print(text);
+    return complete;
+  }
+  product::Outputs outputs(call.common.force, call.control);
+  auto done = outputs.add(*call.output(), text);
+  if (done) done = outputs.commit();
+  if (!done) call.console.error(done.error());
+  return done ? complete : exit_code(done.error());
+}
+
 std::vector<product::FlightRun> AnswerVerb::collect(const Call& call, int& code) {
   std::vector<product::FlightRun> runs;
   bool any = false, failed = false;

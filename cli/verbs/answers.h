@@ -16,6 +16,11 @@ void tell(Console& console, const product::RunResult& result);
 /// X.csv, or X-N.csv where several flights were chosen.
 std::filesystem::path numbered(const std::filesystem::path& path, int flight, bool several);
 
+/// Texts to where the call asks: JSON (several as a list) into its output or, with --json, onto standard output;
+/// else the texts for people, one after the other.
+bool wants_json(const Call& call);
+int give(const Call& call, const std::vector<std::string>& texts);
+
 using Render = std::function<ingest::Result<std::string>(const product::FlightAnswer&, product::Format)>;
 using Say = std::function<std::string(const product::FlightAnswer&)>;
 

@@ -1,7 +1,6 @@
 #include "export/pipeline/check.h"
 
 #include "cli/verbs/answers.h"
-#include "export/csv/tables.h"
 
 namespace quadsonde::cli {
 namespace {
@@ -18,7 +17,10 @@ class CheckVerb : public Verb {
     Tally tally;
     for (const auto& input : call.inputs) check_log(call, input, answers, tally);
     if (answers.empty()) return tally.wrong ? wrong_usage : no_answer;
-    if (const int given = give(call, answers); given != complete) return given;
+    std::vector<std::string> texts;
+    for (const auto& answer : answers)
+      texts.push_back(wants_json(call) ? product::check_json(answer) : product::check_text(answer));
+    if (const int given = give(call, texts); given != complete) return given;
     return tally.wrong ? wrong_usage : tally.failed || tally.doubts ? with_doubts : complete;
   }
 
@@ -53,27 +55,6 @@ class CheckVerb : public Verb {
       tally.doubts = tally.doubts || answer->report.verdict == ingest::Verdict::inconsistent;
       answers.push_back(std::move(*answer));
     }
-  }
-
-  int give(const Call& call, const std::vector<product::CheckAnswer>& answers) {
-    std::vector<std::string> texts;
-    const bool json = call.common.json || call.output();
-    for (const auto& answer : answers)
-      texts.push_back(json ? product::check_json(answer) : product::check_text(answer));
-    if (!json) {
-      for (std::size_t i = 0; i < texts.size(); ++i) call.console.print((i ? "\n" : "") + texts[i]);
-      return complete;
-    }
-    const auto text = texts.size() == 1 ? texts.front() : product::json_list(texts);
-    if (!call.output()) {
-      call.console.print(text);
-      return complete;
-    }
-    product::Outputs outputs(call.common.force, call.control);
-    auto done = outputs.add(*call.output(), text);
-    if (done) done = outputs.commit();
-    if (!done) call.console.error(done.error());
-    return done ? complete : exit_code(done.error());
   }
 
   product::CheckSettings settings_;

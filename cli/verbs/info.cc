@@ -1,7 +1,6 @@
 #include <algorithm>
 
 #include "cli/verbs/answers.h"
-#include "export/csv/tables.h"
 #include "export/pipeline/inspect.h"
 
 namespace quadsonde::cli {
@@ -32,7 +31,7 @@ class InfoVerb : public Verb {
       const auto facts = product::inspect(*log, profile_.bin_m);
       call.console.warnings(facts.problems);
       if (!facts.problems.empty()) code = std::max(code, with_doubts);
-      answers.push_back(call.common.json || call.output() ? product::info_json(facts) : product::info_text(facts));
+      answers.push_back(wants_json(call) ? product::info_json(facts) : product::info_text(facts));
     }
     if (answers.empty()) return code == wrong_usage ? wrong_usage : no_answer;
     const int written = give(call, answers);
@@ -40,24 +39,6 @@ class InfoVerb : public Verb {
   }
 
  private:
-  int give(const Call& call, const std::vector<std::string>& answers) {
-    const bool json = call.common.json || call.output();
-    if (!json) {
-      for (std::size_t i = 0; i < answers.size(); ++i) call.console.print((i ? "\n" : "") + answers[i]);
-      return complete;
-    }
-    const auto text = answers.size() == 1 ? answers.front() : product::json_list(answers);
-    if (!call.output()) {
-      call.console.print(text);
-      return complete;
-    }
-    product::Outputs outputs(call.common.force, call.control);
-    auto done = outputs.add(*call.output(), text);
-    if (done) done = outputs.commit();
-    if (!done) call.console.error(done.error());
-    return done ? complete : exit_code(done.error());
-  }
-
   product::InputSettings input_;
   profiles::ProfileSettings profile_;
 };
