@@ -265,7 +265,7 @@ void describe(const Layout& layout, LogContent& content) {
       unused += (unused.empty() ? "" : ", ") + layout.names[i];
   }
   if (!unused.empty()) content.details.emplace_back("columns not used", unused);
-  content.details.emplace_back("map_toml", layout.map->toml);
+  content.details.emplace_back("map_toml", used_map(layout));
 }
 
 }  // namespace

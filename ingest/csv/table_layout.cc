@@ -171,4 +171,55 @@ Result<Layout> find_layout(Bytes bytes, const std::string& file, const ColumnMap
   return layout;
 }
 
+namespace {
+
+/// A TOML basic string.
+std::string toml_string(std::string_view text) {
+  std::string out = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\')
+      out += std::string("\\") + c;
+    else if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F)
+      out += fmt::format("\\u{:04X}", static_cast<unsigned char>(c));
+    else
+      out += c;
+  }
+  return out + "\"";
+}
+
+std::string source_text(const ColumnSource& source) {
+  std::string text, names;
+  for (const auto& column : source.columns) names += (names.empty() ? "" : ", ") + toml_string(column);
+  text = source.columns.size() == 1 ? "column = " + names : "columns = [" + names + "]";
+  if (source.scale != 1) text += fmt::format(", scale = {}", source.scale);
+  if (source.offset != 0) text += fmt::format(", offset = {}", source.offset);
+  if (!source.format.empty()) text += ", format = " + toml_string(source.format);
+  return text == "column = " + names ? names : "{ " + text + " }";
+}
+
+/// The lines of [read] and [vehicle].
+std::string sections(std::string_view toml) {
+  std::string kept;
+  bool keep = false;
+  while (!toml.empty()) {
+    const auto end = std::min(toml.find('\n'), toml.size());
+    const auto line = toml.substr(0, end);
+    toml.remove_prefix(std::min(end + 1, toml.size()));
+    if (line.starts_with('[')) {
+      keep = line.starts_with("[read]") || line.starts_with("[vehicle]");
+      if (keep) kept += '\n';
+    }
+    if (keep && !line.empty()) kept += std::string(line) + '\n';
+  }
+  return kept;
+}
+
+}  // namespace
+
+std::string used_map(const Layout& layout) {
+  std::string text;
+  for (const auto& bound : layout.bound) text += bound.canonical + " = " + source_text(*bound.source) + "\n";
+  return text + sections(layout.map->toml);
+}
+
 }  // namespace quadsonde::ingest::csv

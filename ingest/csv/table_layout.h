@@ -25,4 +25,8 @@ struct Layout {
 /// Errors: not_a_log (no line is a header), missing (a column that the map names, or any time).
 Result<Layout> find_layout(Bytes bytes, const std::string& file, const ColumnMap* map);
 
+/// What was used of the map, as a MAP.toml that reads this table and is the start of the next one: a line for each
+/// column that the table has, then [read] and [vehicle] as they are.
+std::string used_map(const Layout& layout);
+
 }  // namespace quadsonde::ingest::csv

@@ -22,6 +22,11 @@ constexpr int least_fix = 3, most_fix = 6;
 // Weeks before ArduPilot existed (January 2010) are a receiver's 10-bit week.
 constexpr int first_week = 1565;
 
+/// Age at t of something at a time in ms since boot [s].
+double age(LogTime t, std::int64_t measured_ms) {
+  return to_seconds(t - LogTime{}) - 1e-3 * static_cast<double>(measured_ms);
+}
+
 std::string mode_name(int mode) {
   constexpr std::pair<int, const char*> copter[] = {
       {0, "stabilize"}, {1, "acro"},   {2, "altitude hold"}, {3, "auto"}, {4, "guided"},
@@ -155,6 +160,7 @@ void Boot::take_gps_accuracy(const Binding& row, const DataflashMessage& message
   // 655.35 m/s is ArduPilot's "unknown"; without a fix it has some meaningless tens of m/s.
   if (sd > 0 && within(sd, 50)) gps.speed_sd.push(t, sd);
   if (row.fields[2] != nullptr && ellipsoid != 0 && within(ellipsoid, most_height)) gps.ellipsoid.push(t, {ellipsoid});
+  if (const auto ms = row.integer(message, 3, 0); ms > 0) gps.waited.push_back(age(t, ms));
   if (row.integer(message, 1, 1) != 0)
     ++gps.with_vertical;
   else
@@ -193,6 +199,7 @@ void Boot::take_barometer(const Binding& row, const DataflashMessage& message, L
   const double pressure = row.value(message, 0), altitude = row.value(message, 1);
   if (!(pressure > 1e3 && pressure < 1.2e5) || !within(altitude, most_height)) return reject(message);
   flight_.barometer.push(t, {pressure, altitude});
+  if (const auto ms = row.integer(message, 2, 0); ms > 0) barometer_ages_.push_back(age(t, ms));
 }
 
 void Boot::take_imu(const Binding& row, const DataflashMessage& message, LogTime t) {

@@ -17,6 +17,7 @@ struct GpsColumns {
   Stream<double> speed_sd;  ///< GPA.SAcc [m/s]
   Stream<EllipsoidHeight> ellipsoid;
   ClockEstimator clock;
+  std::vector<double> waited;  ///< from the arrival of the receiver's message to the log's stamp [s]
   std::uint64_t used = 0, without_fix = 0;
   std::uint64_t with_vertical = 0, without_vertical = 0;  ///< by GPA.VV
 };
@@ -88,6 +89,7 @@ class Boot {
   Stream<MslHeight> fused_height_;
   Stream<GeoPoint> fused_position_;
   std::vector<std::pair<LogTime, bool>> landing_;
+  std::vector<double> barometer_ages_;  ///< [s]
   RotorSpeeds rpm_;
   LogTime rotors_since_;
   int last_esc_ = -1, imu_instance_ = -1, barometer_instance_ = -1;

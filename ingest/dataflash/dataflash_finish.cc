@@ -23,6 +23,14 @@ std::vector<double> accuracy_at(const std::vector<LogTime>& time, const Stream<d
   return sd;
 }
 
+/// The receiver's own delay is not in the log: what UTC shows against its quickest fix, and how long the message waited
+/// in the autopilot, are both less than the whole.
+std::optional<Latency> receiver_latency(const GpsColumns& gps) {
+  const auto waited = latency_of(gps.waited), late = gps.clock.latency();
+  if (!waited && !late) return std::nullopt;
+  return Latency{std::max(waited ? waited->median_s : 0, late ? late->median_s : 0), true};
+}
+
 template <class Map>
 int most_frequent(const Map& counts, int otherwise) {
   int best = otherwise;
@@ -123,6 +131,7 @@ void Boot::choose_velocity(int gps_instance, int ekf_generation, int core) {
     if (!has_ekf || (is_fast_receiver(receiver.velocity.time) && vertical && enough)) {
       flight_.velocity = std::move(receiver.velocity);
       flight_.velocity.origin = VelocityOrigin::receiver;
+      flight_.velocity.latency = receiver_latency(receiver);
       flight_.velocity.source = fmt::format("GPS[{}] Spd GCrs VZ", gps_instance);
       flight_.velocity.sd = accuracy_at(flight_.velocity.time, receiver.speed_sd);
       if (!vertical)
@@ -156,6 +165,7 @@ void Boot::finish_gps(int instance) {
   flight_.height_msl.source = fmt::format("GPS[{}] Alt", instance);
   flight_.height_ellipsoid = std::move(gps.ellipsoid);
   flight_.height_ellipsoid.source = fmt::format("GPA[{}] AEl", instance);
+  flight_.position.latency = flight_.height_msl.latency = flight_.height_ellipsoid.latency = receiver_latency(gps);
   flight_.clock = gps.clock.estimate("GPS week and time of week");
 }
 
@@ -208,6 +218,7 @@ int Boot::primary_core(int generation, std::size_t& cores) const {
 void Boot::name_sources() {
   if (flight_.attitude.source.empty()) flight_.attitude.source = "ATT Roll Pitch Yaw";
   flight_.height_ground.source = "POS RelHomeAlt";
+  flight_.barometer.latency = latency_of(std::move(barometer_ages_));
   flight_.barometer.source = fmt::format("BARO[{}]", std::max(barometer_instance_, 0));
   flight_.accelerometer.source = fmt::format("IMU[{}]", std::max(imu_instance_, 0));
   flight_.rotors.source = "ESC RPM";

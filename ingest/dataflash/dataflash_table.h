@@ -50,9 +50,9 @@ constexpr RowSpec rows[] = {
     // Status 3 and more is a 3D fix; degrees, m above mean sea level, m/s, degrees from north, VZ m/s down.
     {"GPS", Row::gps, 0, -1, {"Status", "GWk|Week", "GMS|TimeMS", "Lat", "Lng", "Alt", "Spd", "GCrs", "VZ", "U"}},
     {"GPS2", Row::gps, 0, 1, {"Status", "GWk|Week", "GMS|TimeMS", "Lat", "Lng", "Alt", "Spd", "GCrs", "VZ", "U"}},
-    // m/s 1-sigma; VV 1: VZ is measured; AEl m above the ellipsoid.
-    {"GPA", Row::gps_accuracy, 0, -1, {"SAcc", "VV", "AEl"}},
-    {"GPA2", Row::gps_accuracy, 0, 1, {"SAcc", "VV", "AEl"}},
+    // m/s 1-sigma; VV 1: VZ is measured; AEl m above the ellipsoid; SMS ms since boot when the receiver's message came.
+    {"GPA", Row::gps_accuracy, 0, -1, {"SAcc", "VV", "AEl", "SMS"}},
+    {"GPA2", Row::gps_accuracy, 0, 1, {"SAcc", "VV", "AEl", "SMS"}},
     // v_NB_N m/s, p_NB_N m from the EKF origin, degrees (with part of the trim only).
     {"XKF1", Row::ekf_state, 3, -1, {"VN", "VE", "VD", "PN", "PE", "PD", "Roll", "Pitch", "Yaw"}},
     {"XKF6", Row::ekf_state, 3, 1, {"VN", "VE", "VD", "PN", "PE", "PD", "Roll", "Pitch", "Yaw"}},
@@ -67,8 +67,8 @@ constexpr RowSpec rows[] = {
     {"EKF2", Row::ekf_wind, 1, -1, {"VWN", "VWE"}},
     {"XKF4", Row::ekf_primary, 3, -1, {"PI"}},
     {"NKF4", Row::ekf_primary, 2, -1, {"PI"}},
-    // Pa; m above the place of calibration.
-    {"BARO", Row::barometer, 0, -1, {"Press", "Alt"}},
+    // Pa; m above the place of calibration; ms since boot of the measurement.
+    {"BARO", Row::barometer, 0, -1, {"Press", "Alt", "SMS"}},
     // Specific force m/s2, forward right down.
     {"IMU", Row::imu, 0, -1, {"AccX", "AccY", "AccZ"}},
     {"PARM", Row::parameter, 0, -1, {"Name", "Value"}},

@@ -20,6 +20,7 @@ struct Stream {
   std::string source;
   std::vector<LogTime> time;
   std::vector<T> value;
+  std::optional<Latency> latency = std::nullopt;  ///< empty: the log does not tell when its samples were measured
 
   std::size_t size() const { return time.size(); }
   bool empty() const { return time.empty(); }

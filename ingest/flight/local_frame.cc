@@ -1,5 +1,6 @@
 #include "ingest/flight/local_frame.h"
 
+#include <GeographicLib/Geodesic.hpp>
 #include <GeographicLib/LocalCartesian.hpp>
 
 #include <cmath>
@@ -22,6 +23,12 @@ std::pair<GeoPoint, double> LocalFrame::from_ned(const Eigen::Vector3d& p) const
   double height = 0;
   frame.Reverse(p.y(), p.x(), -p.z(), point.lat_deg, point.lon_deg, height);
   return {point, height};
+}
+
+double distance_m(GeoPoint a, GeoPoint b) {
+  double length = 0;
+  GeographicLib::Geodesic::WGS84().Inverse(a.lat_deg, a.lon_deg, b.lat_deg, b.lon_deg, length);
+  return length;
 }
 
 namespace {

@@ -18,6 +18,9 @@ class LocalFrame {
   double height_;
 };
 
+/// Length of the shortest way over the ellipsoid [m]. Source: GeographicLib::Geodesic (15 nm).
+double distance_m(GeoPoint a, GeoPoint b);
+
 /// Velocity where a log has none: centred differences of the position (and of the best height) over a window
 /// [s], stated as VelocityOrigin::differentiated. Repeated positions (a receiver slower than the log) count once.
 /// Empty if there are fewer than three positions.

@@ -119,8 +119,42 @@ UtcTime utc_from_gps(int week, std::int64_t time_of_week_ms) {
   return {(gps_epoch_unix_s * 1000 + gps_ms - leap * 1000LL) * 1'000'000};
 }
 
+std::optional<Latency> latency_of(std::vector<double> ages_s) {
+  const auto all = ages_s.size();
+  constexpr double most = 10;
+  std::erase_if(ages_s, [](double age) { return !(age >= 0 && age <= most); });
+  if (ages_s.empty() || 2 * ages_s.size() < all) return std::nullopt;
+  const auto middle = ages_s.begin() + static_cast<std::ptrdiff_t>(ages_s.size() / 2);
+  std::nth_element(ages_s.begin(), middle, ages_s.end());
+  return Latency{*middle, false};
+}
+
 // As LogTimes, since their difference is defined for all that a damaged log may hold.
 void ClockEstimator::add(LogTime log, UtcTime utc) { offsets_.push_back(LogTime{utc.ns} - log); }
+
+std::optional<Latency> ClockEstimator::latency() const {
+  constexpr std::size_t window = 100, fewest = 20;
+  if (offsets_.size() < fewest) return std::nullopt;
+  std::vector<double> ages;
+  const std::size_t windows = std::max<std::size_t>(1, offsets_.size() / window);
+  for (std::size_t w = 0; w < windows; ++w) {
+    const auto begin = offsets_.begin() + static_cast<std::ptrdiff_t>(offsets_.size() * w / windows);
+    const auto end = offsets_.begin() + static_cast<std::ptrdiff_t>(offsets_.size() * (w + 1) / windows);
+    // A wrong date before the fix is no quick sample: the quickest among those within 1 s of the window's median.
+    std::vector<Duration> sorted(begin, end);
+    std::sort(sorted.begin(), sorted.end());
+    const auto from_median = [&](Duration offset) {
+      return to_seconds(LogTime{offset.count()} - LogTime{sorted[sorted.size() / 2].count()});
+    };
+    double quickest = 0;
+    for (const auto offset : sorted)
+      if (const double ahead = from_median(offset); ahead <= 1) quickest = ahead;
+    for (const auto offset : sorted) ages.push_back(quickest - from_median(offset));
+  }
+  auto latency = latency_of(std::move(ages));
+  if (latency) latency->at_least = true;
+  return latency;
+}
 
 Clock ClockEstimator::estimate(std::string source) const {
   Clock clock;

@@ -65,12 +65,26 @@ struct Clock {
   }
 };
 
+/// How old samples are when the log stamps them.
+struct Latency {
+  double median_s = 0;
+  /// Seen against UTC, whose offset comes from the same samples: only what is older than the quickest one shows.
+  bool at_least = false;
+};
+
+/// Of ages [s], each the log's time of a sample minus the time it was measured, on one clock. Ages below zero or above
+/// 10 s are none and do not count; empty when fewer than half are left.
+std::optional<Latency> latency_of(std::vector<double> ages_s);
+
 /// Collects (log time, UTC) pairs of one boot and gives the Clock: median of the offsets, robust to
 /// wrong dates before the fix (pairs further than 1 s from the median do not count), uncertainty from their spread.
 class ClockEstimator {
  public:
   void add(LogTime log, UtcTime utc);
   Clock estimate(std::string source) const;
+  /// How much later than the quickest of its hundred neighbours a pair was logged, the median: clocks drift by less
+  /// than the jitter meanwhile. Empty below 20 pairs. Always `at_least`.
+  std::optional<Latency> latency() const;
   bool empty() const { return offsets_.empty(); }
 
  private:

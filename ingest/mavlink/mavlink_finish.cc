@@ -122,6 +122,15 @@ void Boot::pour_all(Column<T>& column, S& stream) const {
   column = {};
 }
 
+/// How late frames reach the log, against the quickest: the times of the streams are the vehicle's and free of it.
+void Boot::tell_link(std::vector<std::pair<std::string, std::string>>& details) const {
+  ClockEstimator link;
+  for (const auto offset : host_minus_boot_) link.add(LogTime{offset.count()}, UtcTime{});
+  if (const auto latency = link.latency())
+    details.emplace_back("link",
+                         fmt::format("frames are logged {:.3f} s (median) after the quickest one", latency->median_s));
+}
+
 /// The vehicle's own UTC; else the ground station's clock, which may be wrong by seconds.
 void Boot::finish_clock() {
   if (has_boot_clock_) {
@@ -218,6 +227,7 @@ void Boot::finish_wind(Flight& flight, std::vector<std::pair<std::string, std::s
 Flight Boot::finish(const Identity& identity, std::vector<std::pair<std::string, std::string>>& details) && {
   Flight flight;
   flight.vehicle = vehicle_of(identity);
+  tell_link(details);
   finish_clock();
   flight.clock = clock_;
   const bool quaternion = attitude_quaternion_.size() >= attitude_.size();

@@ -121,6 +121,7 @@ class Boot {
   void pour(const Column<T>& column, S& stream, Pick pick) const;
   template <class T, class S>
   void pour_all(Column<T>& column, S& stream) const;
+  void tell_link(std::vector<std::pair<std::string, std::string>>& details) const;
   void finish_clock();
   void finish_velocity(Flight& flight) const;
   void finish_position(Flight& flight) const;

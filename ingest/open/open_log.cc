@@ -8,23 +8,15 @@
 
 #include "ingest/csv/decompress.h"
 #include "ingest/csv/flight_from_csv.h"
+#include "ingest/dataflash/flight_from_dataflash.h"
 #include "ingest/flight/local_frame.h"
+#include "ingest/mavlink/flight_from_mavlink.h"
+#include "ingest/mcap/flight_from_mcap.h"
 #include "ingest/open/mapped_file.h"
 #include "ingest/open/sensor_file.h"
 #include "ingest/open/sniff.h"
-#include "ingest/ulog/flight_from_ulog.h"
-#if QUADSONDE_HAS_MCAP
-#include "ingest/mcap/flight_from_mcap.h"
-#endif
-#if QUADSONDE_HAS_DATAFLASH
-#include "ingest/dataflash/flight_from_dataflash.h"
-#endif
-#if QUADSONDE_HAS_MAVLINK
-#include "ingest/mavlink/flight_from_mavlink.h"
-#endif
-#if QUADSONDE_HAS_PAPARAZZI
 #include "ingest/paparazzi/flight_from_paparazzi.h"
-#endif
+#include "ingest/ulog/flight_from_ulog.h"
 
 namespace quadsonde::ingest {
 namespace {
@@ -50,7 +42,6 @@ Result<LogContent> explain_text(Bytes bytes, const std::filesystem::path& path, 
   return read_csv(bytes, path.string(), csv);  // its error says which columns were expected
 }
 
-#if QUADSONDE_HAS_MCAP
 Result<LogContent> read_any_mcap(Bytes bytes, const std::string& file, const OpenSettings& settings) {
   McapReadSettings mcap;
   mcap.mode = settings.mode;
@@ -66,9 +57,7 @@ Result<LogContent> read_any_mcap(Bytes bytes, const std::string& file, const Ope
   }
   return read_mcap(bytes, file, mcap);
 }
-#endif
 
-#if QUADSONDE_HAS_PAPARAZZI
 /// The other file of a Paparazzi pair, if it is there.
 std::optional<MappedFile> sibling(const std::filesystem::path& path, std::initializer_list<const char*> endings) {
   for (const auto* ending : endings) {
@@ -98,7 +87,6 @@ Result<LogContent> read_paparazzi_log(Bytes log, const std::filesystem::path& pa
   auto other = path;
   return read_paparazzi(data->bytes(), log, other.replace_extension(".data").string(), paparazzi);
 }
-#endif
 
 Result<LogContent> dispatch(Bytes bytes, const std::filesystem::path& path, const OpenSettings& settings);
 
@@ -138,31 +126,20 @@ Result<LogContent> dispatch(Bytes bytes, const std::filesystem::path& path, cons
       return explain_text(bytes, path, settings);
     case Container::dji_native:
       return read_native_dji(file);
-#if QUADSONDE_HAS_MCAP
     case Container::mcap:
       return read_any_mcap(bytes, file, settings);
-#endif
-#if QUADSONDE_HAS_DATAFLASH
     case Container::dataflash:
       return read_dataflash(bytes, file, {settings.mode});
-#endif
-#if QUADSONDE_HAS_MAVLINK
     case Container::mavlink:
       return read_mavlink(bytes, file, {settings.mode, {}});
-#endif
-#if QUADSONDE_HAS_PAPARAZZI
     case Container::paparazzi_data:
       return read_paparazzi_pair(bytes, path, settings);
     case Container::paparazzi_log:
       return read_paparazzi_log(bytes, path, settings);
-#endif
-    default:
+    case Container::unknown:
       break;
   }
-  if (container == Container::unknown)
-    return fail(Kind::not_a_log, "these bytes are no flight log that is known here", {file, {}, {}, {}}, what_is_read);
-  return fail(Kind::unsupported, fmt::format("this build has no reader for {}", name_of(container)), {file, {}, {}, {}},
-              what_is_read);
+  return fail(Kind::not_a_log, "these bytes are no flight log that is known here", {file, {}, {}, {}}, what_is_read);
 }
 
 void shift_datum(Flight& flight, double offset_m) {

@@ -4,19 +4,11 @@
 
 #include "ingest/csv/decompress.h"
 #include "ingest/csv/flight_from_csv.h"
-#include "ingest/ulog/container.h"
-#if QUADSONDE_HAS_MCAP
-#include "ingest/mcap/flight_from_mcap.h"
-#endif
-#if QUADSONDE_HAS_DATAFLASH
 #include "ingest/dataflash/flight_from_dataflash.h"
-#endif
-#if QUADSONDE_HAS_MAVLINK
 #include "ingest/mavlink/flight_from_mavlink.h"
-#endif
-#if QUADSONDE_HAS_PAPARAZZI
+#include "ingest/mcap/flight_from_mcap.h"
 #include "ingest/paparazzi/flight_from_paparazzi.h"
-#endif
+#include "ingest/ulog/container.h"
 
 namespace quadsonde::ingest {
 namespace {
@@ -65,47 +57,13 @@ Container sniff(Bytes bytes) {
   if (is_text(bytes)) {
     if (as_text(head(bytes, 4096)).find("<configuration") != std::string_view::npos) return Container::paparazzi_log;
     if (looks_like_table(bytes)) return Container::table;
-#if QUADSONDE_HAS_PAPARAZZI
     if (looks_like_paparazzi_data(head(bytes, 1 << 16))) return Container::paparazzi_data;
-#endif
     return Container::text;
   }
-#if QUADSONDE_HAS_MAVLINK
   if (looks_like_tlog(head(bytes, 1 << 16))) return Container::mavlink;
-#endif
-#if QUADSONDE_HAS_DATAFLASH
   if (looks_like_dataflash(head(bytes, 1 << 16))) return Container::dataflash;
-#endif
   if (is_dji_record(bytes)) return Container::dji_native;
   return Container::unknown;
-}
-
-std::string_view name_of(Container container) {
-  switch (container) {
-    case Container::unknown:
-      return "unknown";
-    case Container::text:
-      return "text";
-    case Container::mcap:
-      return "MCAP";
-    case Container::ulog:
-      return "PX4 ULog";
-    case Container::dataflash:
-      return "ArduPilot DataFlash";
-    case Container::mavlink:
-      return "MAVLink tlog";
-    case Container::paparazzi_data:
-      return "Paparazzi .data";
-    case Container::paparazzi_log:
-      return "Paparazzi .log";
-    case Container::table:
-      return "table (CSV)";
-    case Container::dji_native:
-      return "native DJI file";
-    case Container::compressed:
-      return "compressed";
-  }
-  return "unknown";
 }
 
 }  // namespace quadsonde::ingest

@@ -1,6 +1,4 @@
 #pragma once
-#include <string_view>
-
 #include "ingest/flight/bytes.h"
 
 namespace quadsonde::ingest {
@@ -21,8 +19,5 @@ enum class Container {
 };
 
 Container sniff(Bytes bytes);
-
-/// "PX4 ULog", "table (CSV)": for messages.
-std::string_view name_of(Container container);
 
 }  // namespace quadsonde::ingest

@@ -215,6 +215,7 @@ void Aircraft::choose_velocity(const std::string& file) {
   if (receiver.size() >= 2 && (is_fast_receiver(receiver.time) || gated.size() < 2)) {
     flight_.velocity = std::move(receiver);
     flight_.velocity.origin = VelocityOrigin::receiver;
+    flight_.velocity.latency = receiver_latency_;
     flight_.velocity.source = receiver_source;
     auto& sd = flight_.velocity.sd;
     if (!std::all_of(sd.begin(), sd.end(), [](double s) { return std::isfinite(s); })) sd.clear();
@@ -230,6 +231,7 @@ void Aircraft::choose_velocity(const std::string& file) {
 void Aircraft::finish_clock(const PaparazziDefinitions& definitions) {
   if (!week_clock_.empty()) {
     flight_.clock = week_clock_.estimate("GPS week and time of week");
+    receiver_latency_ = week_clock_.latency();
     return;
   }
   const auto zero = definitions.time_of_day();
@@ -242,6 +244,7 @@ void Aircraft::finish_clock(const PaparazziDefinitions& definitions) {
     const auto week = (gps_ms - ms + week_ms / 2) / week_ms;
     estimator.add(t, utc_from_gps(static_cast<int>(week), ms));
   }
+  receiver_latency_ = estimator.latency();
   flight_.clock = estimator.estimate("GPS time of week, the week by the .log's time_of_day");
   if (flight_.clock.utc_minus_log) return;
   flight_.clock.utc_minus_log = Duration(zero->ns);
@@ -280,6 +283,7 @@ Flight Aircraft::finish(const PaparazziDefinitions& definitions, const std::stri
   flight_.position.source = "GPS lat lon";
   flight_.height_msl.source = "GPS hmsl";
   flight_.height_ellipsoid.source = "GPS alt";
+  flight_.position.latency = flight_.height_msl.latency = flight_.height_ellipsoid.latency = receiver_latency_;
   flight_.barometer.source = "AIR_DATA pressure";
   flight_.accelerometer.source = "IMU_ACCEL";
   flight_.autopilot_wind.source = "WIND_INFO_RET east north";

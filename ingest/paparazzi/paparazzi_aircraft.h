@@ -69,6 +69,7 @@ class Aircraft {
   VelocityStream gps_int_velocity_, gps_velocity_;
   Stream<bool> has_fix_;
   ClockEstimator week_clock_;
+  std::optional<Latency> receiver_latency_;
   std::vector<std::pair<LogTime, std::int64_t>> time_of_week_ms_;
   std::string version_;
   bool rotorcraft_ = false, fixed_wing_ = false, armed_ = false, saw_status_ = false;

@@ -2,6 +2,7 @@
 // A topic's messages as rows, its fields bound once.
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include "ingest/flight/time.h"
 #include "ingest/ulog/container.h"
@@ -28,6 +29,18 @@ class TopicReader {
     // Beyond 292 years no clock is meant.
     if (!us || *us < 0 || *us > std::numeric_limits<std::int64_t>::max() / 1000) return std::nullopt;
     return LogTime{*us * 1000};
+  }
+  /// From timestamp_sample, when the measurement was made, to timestamp, when it was published (topics of 1.10 on).
+  std::optional<Latency> latency() const {
+    const auto sampled = column("timestamp_sample");
+    std::vector<double> ages;
+    for (std::size_t i = 0; sampled && i < size(); ++i) {
+      const auto published = time(row(i));
+      const auto us = integer(row(i), *sampled);
+      if (published && us && *us > 0)  // 0: the driver does not know
+        ages.push_back(static_cast<double>(published->ns / 1000 - *us) * 1e-6);
+    }
+    return latency_of(std::move(ages));
   }
   /// "vehicle_gps_position[0]"
   std::string name() const { return topic_->name + "[" + std::to_string(topic_->multi_id) + "]"; }

@@ -14,6 +14,28 @@ constexpr double min_receiver_rate = 4.0;
 constexpr std::int64_t min_utc_us = 1'400'000'000'000'000;
 constexpr std::int64_t max_utc_us = 4'102'444'800'000'000;  // 2100
 
+/// A number that one generation of the firmware writes under another name and unit than the next.
+class ScaledColumn {
+ public:
+  struct Spelling {
+    const char* name;
+    double factor;  ///< to deg or m
+  };
+  ScaledColumn(const TopicReader& reader, std::initializer_list<Spelling> spellings) {
+    for (const auto& [name, factor] : spellings) {
+      if (column_) break;
+      column_ = reader.column(name);
+      factor_ = factor;
+    }
+  }
+  /// NaN where no spelling is there.
+  double operator()(Bytes row) const { return real(row, column_) * factor_; }
+
+ private:
+  std::optional<Column> column_;
+  double factor_ = 1;
+};
+
 /// vehicle_gps_position (all versions), sensor_gps (1.12 on): both have the same fields. Position was int32 1e-7 deg
 /// and mm, from 1.15 double deg and m. s_variance_m_s is a standard deviation [m/s] despite its name.
 struct GpsColumns {
@@ -24,32 +46,20 @@ struct GpsColumns {
         speed_sd(r.column("s_variance_m_s")),
         fix(r.column("fix_type")),
         valid(r.column("vel_ned_valid")),
-        lat_e7(r.column("lat")),
-        lon_e7(r.column("lon")),
-        alt_mm(r.column("alt")),
-        ellipsoid_mm(r.column("alt_ellipsoid")),
-        lat_deg(r.column("latitude_deg")),
-        lon_deg(r.column("longitude_deg")),
-        alt_m(r.column("altitude_msl_m")),
-        ellipsoid_m(r.column("altitude_ellipsoid_m")),
+        lat_deg(r, {{"latitude_deg", 1}, {"lat", 1e-7}}),
+        lon_deg(r, {{"longitude_deg", 1}, {"lon", 1e-7}}),
+        height_msl(r, {{"altitude_msl_m", 1}, {"alt", 1e-3}}),
+        height_ellipsoid(r, {{"altitude_ellipsoid_m", 1}, {"alt_ellipsoid", 1e-3}}),
         utc(r.column("time_utc_usec")),
         utc_offset(r.column("timestamp_time_relative")) {}
 
   bool has_fix(Bytes row) const { return real(row, fix) >= 3; }
   Eigen::Vector3d velocity(Bytes row) const { return {real(row, north), real(row, east), real(row, down)}; }
   bool usable_velocity(Bytes row) const { return has_fix(row) && flag(row, valid, true) && velocity(row).allFinite(); }
-  GeoPoint point(Bytes row) const {
-    if (lat_deg) return {real(row, lat_deg), real(row, lon_deg)};
-    return {real(row, lat_e7) * 1e-7, real(row, lon_e7) * 1e-7};
-  }
-  double height_msl(Bytes row) const { return alt_m ? real(row, alt_m) : real(row, alt_mm) * 1e-3; }
-  double height_ellipsoid(Bytes row) const {
-    return ellipsoid_m ? real(row, ellipsoid_m) : real(row, ellipsoid_mm) * 1e-3;
-  }
+  GeoPoint point(Bytes row) const { return {lat_deg(row), lon_deg(row)}; }
 
   std::optional<Column> north, east, down, speed_sd, fix, valid;
-  std::optional<Column> lat_e7, lon_e7, alt_mm, ellipsoid_mm;
-  std::optional<Column> lat_deg, lon_deg, alt_m, ellipsoid_m;
+  ScaledColumn lat_deg, lon_deg, height_msl, height_ellipsoid;
   std::optional<Column> utc, utc_offset;
 };
 
@@ -102,12 +112,44 @@ Receiver best_receiver(const Log& log, std::vector<std::pair<std::string, std::s
   return best;
 }
 
+/// Pairs of log time and UTC of one receiver topic. UTC is that of the instant timestamp + timestamp_time_relative;
+/// PX4 has done the leap seconds.
+ClockEstimator clock_of(const TopicReader& reader) {
+  ClockEstimator clock;
+  const GpsColumns gps(reader);
+  for (std::size_t i = 0; gps.utc && i < reader.size(); ++i) {
+    const auto row = reader.row(i);
+    const auto t = reader.time(row);
+    const auto utc_us = integer(row, *gps.utc);
+    if (!t || !gps.has_fix(row) || !utc_us || *utc_us < min_utc_us || *utc_us > max_utc_us) continue;
+    const double relative_us = gps.utc_offset ? real(row, gps.utc_offset) : 0.0;
+    if (!(std::abs(relative_us) < 1e9)) continue;
+    clock.add(*t + seconds(relative_us * 1e-6), UtcTime{*utc_us * 1000});
+  }
+  return clock;
+}
+
+void take_clock(Mapping& m) {
+  ClockEstimator clock;
+  for (const auto* name : {"vehicle_gps_position", "sensor_gps"})
+    if (const auto* topic = find_topic(m.log, name); topic && clock.empty())
+      clock = clock_of(TopicReader(m.log, *topic));
+  m.flight.clock = clock.estimate("autopilot UTC (time_utc_usec)");
+}
+
+/// By the driver's own time of measurement; else what UTC shows.
+std::optional<Latency> receiver_latency(const TopicReader& reader) {
+  const auto told = reader.latency();
+  return told ? told : clock_of(reader).latency();
+}
+
 void take_receiver_velocity(Mapping& m, const Topic& topic) {
   const TopicReader reader(m.log, topic);
   const GpsColumns gps(reader);
   auto& v = m.flight.velocity;
   v.source = reader.name();
   v.origin = VelocityOrigin::receiver;
+  v.latency = receiver_latency(reader);
   bool every_sd = true;
   for (std::size_t i = 0; i < reader.size(); ++i) {
     const auto row = reader.row(i);
@@ -125,6 +167,7 @@ void take_receiver_position(Mapping& m, const Topic& topic) {
   const GpsColumns gps(reader);
   auto& f = m.flight;
   f.position.source = f.height_msl.source = f.height_ellipsoid.source = reader.name();
+  f.position.latency = f.height_msl.latency = f.height_ellipsoid.latency = receiver_latency(reader);
   for (std::size_t i = 0; i < reader.size(); ++i) {
     const auto row = reader.row(i);
     const auto t = reader.time(row);
@@ -135,29 +178,6 @@ void take_receiver_position(Mapping& m, const Topic& topic) {
     // Drivers that do not know it leave exactly zero.
     if (const double h = gps.height_ellipsoid(row); std::isfinite(h) && h != 0) f.height_ellipsoid.push(*t, {h});
   }
-}
-
-/// UTC of the instant timestamp + timestamp_time_relative; PX4 has done the leap seconds.
-void take_clock(Mapping& m) {
-  ClockEstimator clock;
-  for (const auto* name : {"vehicle_gps_position", "sensor_gps"}) {
-    if (!clock.empty()) break;
-    const auto* topic = find_topic(m.log, name);
-    if (!topic) continue;
-    const TopicReader reader(m.log, *topic);
-    const GpsColumns gps(reader);
-    if (!gps.utc) continue;
-    for (std::size_t i = 0; i < reader.size(); ++i) {
-      const auto row = reader.row(i);
-      const auto t = reader.time(row);
-      const auto utc_us = integer(row, *gps.utc);
-      if (!t || !gps.has_fix(row) || !utc_us || *utc_us < min_utc_us || *utc_us > max_utc_us) continue;
-      const double relative_us = gps.utc_offset ? real(row, gps.utc_offset) : 0.0;
-      if (!(std::abs(relative_us) < 1e9)) continue;
-      clock.add(*t + seconds(relative_us * 1e-6), UtcTime{*utc_us * 1000});
-    }
-  }
-  m.flight.clock = clock.estimate("autopilot UTC (time_utc_usec)");
 }
 
 /// vehicle_local_position: NED metres from ref_lat, ref_lon (deg), ref_alt (m AMSL); vx, vy, vz; evh = sd [m/s].
@@ -189,6 +209,7 @@ void take_local_position(Mapping& m, const Topic& topic) {
   const LocalColumns c(reader);
   auto& f = m.flight;
   f.local_position.source = reader.name();
+  f.local_position.latency = reader.latency();
   for (std::size_t i = 0; i < reader.size(); ++i) {
     const auto row = reader.row(i);
     const auto t = reader.time(row);
@@ -227,6 +248,7 @@ void take_fused_velocity(Mapping& m, const Topic& topic) {
   auto& v = m.flight.velocity;
   v.source = reader.name();
   v.origin = VelocityOrigin::fused;
+  v.latency = reader.latency();
   bool every_sd = true;
   std::optional<double> resets;
   for (std::size_t i = 0; i < reader.size(); ++i) {
@@ -250,6 +272,7 @@ void take_global_position(Mapping& m, const Topic& topic) {
   const auto lat = reader.column("lat"), lon = reader.column("lon"), alt = reader.column("alt");
   auto& f = m.flight;
   f.position.source = f.height_msl.source = reader.name();
+  f.position.latency = f.height_msl.latency = reader.latency();
   for (std::size_t i = 0; i < reader.size(); ++i) {
     const auto row = reader.row(i);
     const auto t = reader.time(row);

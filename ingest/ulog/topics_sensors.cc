@@ -37,6 +37,7 @@ void map_attitude(Mapping& m) {
   const auto counter = reader.column("quat_reset_counter");  // from 1.8 on
   auto& attitude = m.flight.attitude;
   attitude.source = reader.name();
+  attitude.latency = reader.latency();
   std::optional<double> resets;
   for (std::size_t i = 0; i < reader.size(); ++i) {
     const auto row = reader.row(i);
@@ -63,6 +64,7 @@ void map_accelerometer(Mapping& m) {
   constexpr double invalid = 0x7FFFFFFF;  // RELATIVE_TIMESTAMP_INVALID
   auto& stream = m.flight.accelerometer;
   stream.source = reader.name();
+  stream.latency = reader.latency();
   for (std::size_t i = 0; i < reader.size(); ++i) {
     const auto row = reader.row(i);
     const auto t = reader.time(row);
@@ -90,6 +92,7 @@ void map_barometer(Mapping& m) {
   const auto altitude = reader.column_of({"baro_alt_meter", "altitude"});
   auto& stream = m.flight.barometer;
   stream.source = reader.name();
+  stream.latency = reader.latency();
   for (std::size_t i = 0; i < reader.size(); ++i) {
     const auto row = reader.row(i);
     const auto t = reader.time(row);
@@ -112,6 +115,7 @@ void map_air(Mapping& m) {
   const auto temperature = reader.column("temperature"), humidity = reader.column("humidity");
   auto& stream = m.flight.air;
   stream.source = reader.name();
+  stream.latency = reader.latency();
   for (std::size_t i = 0; i < reader.size(); ++i) {
     const auto row = reader.row(i);
     const auto t = reader.time(row);
@@ -137,6 +141,7 @@ void map_rotors(Mapping& m) {
   }
   auto& stream = m.flight.rotors;
   stream.source = reader.name();
+  stream.latency = reader.latency();
   for (std::size_t i = 0; i < reader.size(); ++i) {
     const auto row = reader.row(i);
     const auto t = reader.time(row);
@@ -187,6 +192,7 @@ void map_wind(Mapping& m) {
   const WindColumns c(reader);
   auto& stream = m.flight.autopilot_wind;
   stream.source = reader.name();
+  stream.latency = reader.latency();
   for (std::size_t i = 0; i < reader.size(); ++i) {
     const auto row = reader.row(i);
     const auto t = reader.time(row);

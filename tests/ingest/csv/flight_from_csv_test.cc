@@ -209,6 +209,17 @@ TEST(CsvReader, AddsHalfASecondToClocksOfWholeSeconds) {
   EXPECT_NEAR(to_seconds(*utc - *parse_iso8601("2021-01-01T00:00:00Z")), 0, 0.101) << "a row";
 }
 
+TEST(CsvReader, IsNotLedAstrayByWrongDatesBeforeTheFix) {
+  std::string text = "time_s,utc,vn_m_s\n";
+  for (int i = 0; i < 100; ++i)
+    text +=
+        fmt::format("{:.1f},{} 00:00:{:02}.{}00Z,1\n", i * 0.1, i < 30 ? "1980-01-06" : "2021-01-01", i / 10, i % 10);
+  const auto clock = read(text).flights.at(0).clock;
+  ASSERT_TRUE(clock.utc_minus_log);
+  EXPECT_EQ(to_iso8601(*clock.to_utc(LogTime{0})), "2021-01-01T00:00:00.000Z");
+  EXPECT_LT(clock.uncertainty_s, 0.11);
+}
+
 // ---- compressed tables ----
 
 std::vector<std::uint8_t> gzip(std::string_view text) {

@@ -264,6 +264,56 @@ TEST(FlightFromDataflash, MendsATenBitWeek) {
   EXPECT_EQ(to_iso8601(*only(log).clock.to_utc(LogTime{60'000'000'000}), 0), "2019-03-27T14:53:18Z");
 }
 
+TEST(FlightFromDataflash, IsNotLedAstrayByAWrongDateOrAJumpOfTheReceiversClock) {
+  CopterLog log;
+  for (int k = 0; k < 100; ++k) {
+    CopterLog::Fix fix;
+    if (k < 20) fix.week = 1800;                     // a date of the past, until the almanac is there
+    if (k >= 20 && k < 25) fix.week = 0;             // unknown
+    if (k > 90) fix.ms += 2000;                      // a jump at the end
+    if (k > 25 && k < 60) fix.ms += k % 2 ? 20 : 0;  // jitter
+    log.attitude(60e6 + k * 2e5);
+    log.gps(60e6 + k * 2e5, fix);
+  }
+  const auto clock = only(log).clock;
+  ASSERT_TRUE(clock.utc_minus_log);
+  EXPECT_NEAR(to_seconds(*clock.to_utc(LogTime{60'000'000'000}) - utc_from_gps(2046, 312816600)), 0, 0.021);
+  EXPECT_LT(clock.uncertainty_s, 0.11) << "what is further off than 1 s does not count";
+  EXPECT_EQ(clock.source, "GPS week and time of week");
+}
+
+TEST(FlightFromDataflash, GivesEachBootItsOwnClock) {
+  CopterLog log;
+  log.fly(0.2, 600);
+  log.fly(0.2, 60);
+  auto content = read(log);
+  ASSERT_EQ(content.flights.size(), 2u);
+  // The writer's GPS time follows its boot time, so both boots have one offset: it must come from each one's own fixes.
+  for (const auto& flight : content.flights) {
+    ASSERT_TRUE(flight.clock.utc_minus_log);
+    EXPECT_NEAR(to_seconds(*flight.clock.to_utc(LogTime{60'000'000'000}) - utc_from_gps(2046, 312816600)), 0, 1e-3);
+  }
+}
+
+TEST(FlightFromDataflash, TellsHowOldSamplesAre) {
+  CopterLog log;
+  log.define(20, "BARO", "QBffI", "TimeUS,I,Alt,Press,SMS");
+  log.define(3, "GPA", "QBCCCBI", "TimeUS,I,VDop,HAcc,SAcc,VV,SMS");
+  for (int k = 0; k < 50; ++k) {
+    const double us = 60e6 + k * 2e5;
+    log.attitude(us);
+    log.gps(us);
+    log.add("GPA", {us, 0., 120., 50., 30., 1., us / 1000 - 35});
+    log.add("BARO", {us, 0., 12., 98061., us / 1000 - 8});
+  }
+  const auto flight = only(log);
+  ASSERT_TRUE(flight.barometer.latency && flight.velocity.latency);
+  EXPECT_NEAR(flight.barometer.latency->median_s, 0.008, 1e-6);
+  EXPECT_FALSE(flight.barometer.latency->at_least);
+  EXPECT_NEAR(flight.velocity.latency->median_s, 0.035, 1e-6);
+  EXPECT_TRUE(flight.velocity.latency->at_least) << "the receiver's own delay is not in the log";
+}
+
 TEST(FlightFromDataflash, DoesNotTakePx4sOldLogForArdupilots) {
   DataflashWriter log;
   log.define(1, "ATT", "fffffff", "qw,qx,qy,qz,Roll,Pitch,Yaw");

@@ -32,6 +32,13 @@ TEST(LocalFrame, PointsNorthEastAndDown) {
   EXPECT_NEAR(frame.to_ned(toulouse, 25).z(), -25, 1e-9);
 }
 
+TEST(Distance, IsTheShortestWayAlsoAcrossTheDateLine) {
+  EXPECT_EQ(distance_m(toulouse, toulouse), 0);
+  // A quarter of the meridian of WGS84, and one degree of the equator.
+  EXPECT_NEAR(distance_m({0, 0}, {90, 0}), 10001965.729, 0.01);
+  EXPECT_NEAR(distance_m({0, 179.5}, {0, -179.5}), 6378137.0 * M_PI / 180, 0.01);
+}
+
 Flight flying(const GeoPoint& origin, const Eigen::Vector3d& v_NB_N, double rate_hz, double log_rate_hz) {
   Flight flight;
   const LocalFrame frame(origin, 150);

@@ -145,5 +145,32 @@ TEST(Clock, AdmitsTheSpreadOfItsPairs) {
   EXPECT_GT(estimator.estimate("x").uncertainty_s, 0.4);
 }
 
+TEST(Latency, IsTheMedianAgeWithoutWhatIsNone) {
+  EXPECT_FALSE(latency_of({}));
+  const auto latency = latency_of({0.01, 0.02, 0.03, -5, 1e9});
+  ASSERT_TRUE(latency);
+  EXPECT_DOUBLE_EQ(latency->median_s, 0.02);
+  EXPECT_FALSE(latency->at_least);
+  EXPECT_FALSE(latency_of({0.01, -1, -1})) << "mostly nonsense is no answer";
+}
+
+// A receiver whose fixes are logged 20 to 100 ms after they were made, on a clock that drifts by 50 ppm: of the delay
+// the log shows what comes on top of the least.
+TEST(Latency, AgainstUtcShowsWhatIsLaterThanTheQuickest) {
+  ClockEstimator estimator;
+  EXPECT_FALSE(estimator.latency());
+  for (std::int64_t i = 0; i < 6000; ++i) {
+    const UtcTime utc{1'600'000'000'000'000'000 + i * 200'000'000};
+    const std::int64_t delay = 20'000'000 + (i * 7 % 9) * 10'000'000, drift = i * 10'000;
+    // Before the fix the date is wrong.
+    const std::int64_t told = i < 10 ? utc.ns - 86'400'000'000'000 : utc.ns;
+    estimator.add(LogTime{i * 200'000'000 + delay + drift}, UtcTime{told});
+  }
+  const auto latency = estimator.latency();
+  ASSERT_TRUE(latency);
+  EXPECT_TRUE(latency->at_least);
+  EXPECT_NEAR(latency->median_s, 0.040, 0.005);
+}
+
 }  // namespace
 }  // namespace quadsonde::ingest

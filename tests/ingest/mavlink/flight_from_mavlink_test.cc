@@ -199,6 +199,39 @@ TEST(FlightFromMavlink, HasNoClockBeforeGpsButTheGroundStations) {
   EXPECT_FALSE(only(unset).clock.utc_minus_log);
 }
 
+TEST(FlightFromMavlink, IsNotLedAstrayByAWrongDateBeforeTheFix) {
+  TlogWriter log;
+  log.heartbeat();
+  for (int k = 0; k < 60; ++k) {
+    const double ms = 60000 + 200. * k, right_us = 1'557'756'500e6 + ms * 1000;
+    // 0, then a day of 2012 out of the receiver's memory, then what is right, a jump at the end.
+    const double told = k < 5 ? 0 : k < 20 ? 1.33e15 + ms * 1000 : k > 55 ? right_us + 5e6 : right_us;
+    log.add("ATTITUDE", {{"time_boot_ms", ms}, {"roll", 0.1}});
+    log.add("SYSTEM_TIME", {{"time_boot_ms", ms}, {"time_unix_usec", told}});
+    log.host_us += 200'000;
+  }
+  const auto clock = only(log).clock;
+  ASSERT_TRUE(clock.utc_minus_log);
+  EXPECT_NEAR(static_cast<double>(clock.utc_minus_log->count()) * 1e-9, 1'557'756'500.0, 1e-3);
+  EXPECT_EQ(clock.source, "autopilot UTC (SYSTEM_TIME)");
+  EXPECT_LT(clock.uncertainty_s, 0.11);
+}
+
+TEST(FlightFromMavlink, TellsHowLateFramesAreLogged) {
+  TlogWriter log;
+  log.heartbeat();
+  for (int k = 0; k < 200; ++k) {
+    const auto sent_us = 1'557'756'559'000'000 + 100'000 * static_cast<std::uint64_t>(k);
+    log.host_us = sent_us + 1000 * static_cast<std::uint64_t>(k * 7 % 11) * 10;  // 0 to 100 ms on the way
+    log.add("ATTITUDE", {{"time_boot_ms", 60000 + 100. * k}, {"roll", 0.1}});
+  }
+  const auto content = read(log);
+  std::string link;
+  for (const auto& [name, value] : content.details)
+    if (name == "link") link = value;
+  EXPECT_EQ(link, "frames are logged 0.050 s (median) after the quickest one");
+}
+
 TEST(FlightFromMavlink, RunsOnTheGroundStationsClockWhereNoMessageHasABootTime) {
   TlogWriter log;
   log.heartbeat();

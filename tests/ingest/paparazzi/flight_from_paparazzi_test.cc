@@ -126,6 +126,45 @@ TEST(FlightFromPaparazzi, TakesTheWeekFromTheLogAndTheTimeFromGps) {
   EXPECT_LT(clock.uncertainty_s, 1);
 }
 
+TEST(FlightFromPaparazzi, IsNotLedAstrayByAWrongDateOrAJumpOfTheReceiversClock) {
+  const auto gps = message(
+      "GPS", "int32",
+      {"mode", "utm_east", "utm_north", "course", "alt", "speed", "climb", "week", "itow", "utm_zone", "gps_nb_err"},
+      "mm");
+  std::string data;
+  for (int k = 0; k < 100; ++k) {
+    const int week = k < 20 ? 1029 : k < 25 ? 0 : 2053, jump = k > 90 ? 4000 : 0;
+    data += fmt::format("{:.3f} 42 GPS 3 1 2 900 428924 200 50 {} {} 31 0\n", 1 + 0.2 * k, week,
+                        137377600 + 200 * k + jump);
+  }
+  const auto clock = read(log_with(gps), data).flights.at(0).clock;
+  ASSERT_TRUE(clock.utc_minus_log);
+  EXPECT_EQ(to_iso8601(*clock.to_utc(LogTime{1'000'000'000})), to_iso8601(utc_from_gps(2053, 137377600)));
+  EXPECT_LT(clock.uncertainty_s, 0.11);
+}
+
+TEST(FlightFromPaparazzi, HasNoClockFromATimeOfDayThatWasNeverSet) {
+  // File name 80_01_06: the ground station or the card began at the GPS epoch.
+  auto log = log_with(gps_int);
+  log.replace(log.find("1557756558.716"), 14, "315964800.0000");
+  std::string data;
+  for (int k = 0; k < 10; ++k) data += fix(1 + 0.2 * k, 3, 0, 0, 0);
+  EXPECT_FALSE(read(log, data).flights.at(0).clock.utc_minus_log);
+}
+
+TEST(FlightFromPaparazzi, TellsHowLateFixesAreLogged) {
+  std::string data;
+  for (int k = 0; k < 100; ++k) {
+    const double late = 0.01 * (k * 7 % 11);
+    data += fmt::format("{:.3f} 42 GPS_INT 1 2 3 473565765 85189121 476264 428924 0 0 0 47 28 {} 79 14 3 1\n",
+                        1 + 0.2 * k + late, 137377600 + 200 * k);
+  }
+  const auto velocity = read(log_with(gps_int), data).flights.at(0).velocity;
+  ASSERT_TRUE(velocity.latency);
+  EXPECT_NEAR(velocity.latency->median_s, 0.05, 0.002);
+  EXPECT_TRUE(velocity.latency->at_least);
+}
+
 TEST(FlightFromPaparazzi, BelievesTheRotorcraftsOwnStatus) {
   const auto status = message("ROTORCRAFT_STATUS", "uint8", {"gps_status", "ap_in_flight", "ap_motors_on"});
   const auto flight = read(log_with(attitude + status),

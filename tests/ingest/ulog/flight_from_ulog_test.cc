@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <functional>
 #include <numbers>
 
 #include "ingest/flight/rotation.h"
@@ -61,6 +62,64 @@ TEST(UlogFlight, HoldsTheOtherStreamsOfARealQuadrotor) {
   EXPECT_EQ(f.vehicle.airframe, Airframe::multirotor);
   EXPECT_EQ(f.vehicle.rotors, 4);
   EXPECT_FALSE(f.vehicle.simulated);
+}
+
+/// Fixes at 5 Hz from second 100 on; `utc_us(i)` is what the receiver says, `sampled_ago_us` where the driver knows.
+UlogWriter receiver_log(int fixes, const std::function<std::uint64_t(int)>& utc_us, std::uint64_t sampled_ago_us = 0) {
+  UlogWriter log;
+  log.flags();
+  log.format(
+      "vehicle_gps_position:uint64_t timestamp;uint64_t timestamp_sample;uint64_t time_utc_usec;int32_t lat;int32_t "
+      "lon;float vel_n_m_s;float vel_e_m_s;float vel_d_m_s;uint8_t fix_type;bool vel_ned_valid;");
+  log.subscribe(0, "vehicle_gps_position");
+  for (int i = 0; i < fixes; ++i) {
+    const std::uint64_t t = 100'000'000 + 200'000 * static_cast<std::uint64_t>(i);
+    log.data(0, UlogWriter::raw(t) + UlogWriter::raw(sampled_ago_us ? t - sampled_ago_us : std::uint64_t{0}) +
+                    UlogWriter::raw(utc_us(i)) + UlogWriter::raw(std::int32_t{470000000}) +
+                    UlogWriter::raw(std::int32_t{80000000}) + UlogWriter::raw(1.0F) + UlogWriter::raw(0.0F) +
+                    UlogWriter::raw(0.0F) + UlogWriter::raw(std::uint8_t{3}) + UlogWriter::raw(true));
+  }
+  return log;
+}
+
+TEST(UlogFlight, IsNotLedAstrayByAWrongDateOrAJumpOfTheReceiversClock) {
+  constexpr std::uint64_t right = 1'600'000'000'000'000;
+  const auto log = receiver_log(100, [](int i) {
+    const auto utc = right + 200'000 * static_cast<std::uint64_t>(i);
+    if (i < 20) return utc - 86'400'000'000;  // yesterday, until the almanac is there
+    if (i < 25) return std::uint64_t{0};      // unknown
+    return i > 90 ? utc + 18'000'000 : utc;   // forgets the leap seconds at the end
+  });
+  const auto clock = read_ulog(log.bytes, "x.ulg").value().flights.at(0).clock;
+  ASSERT_TRUE(clock.utc_minus_log);
+  EXPECT_EQ(clock.to_utc(LogTime{100'000'000'000})->ns, static_cast<std::int64_t>(right) * 1000);
+  EXPECT_LT(clock.uncertainty_s, 0.11);
+  EXPECT_EQ(clock.source, "autopilot UTC (time_utc_usec)");
+}
+
+TEST(UlogFlight, TellsHowOldSamplesAre) {
+  const auto utc = [](int i) { return 1'600'000'000'000'000 + 200'000 * static_cast<std::uint64_t>(i); };
+  const auto told = read_ulog(receiver_log(100, utc, 120'000).bytes, "x.ulg").value().flights.at(0).velocity;
+  ASSERT_TRUE(told.latency);
+  EXPECT_NEAR(told.latency->median_s, 0.12, 1e-9);
+  EXPECT_FALSE(told.latency->at_least);
+  // Where the driver does not know, UTC shows that every other fix comes 60 ms later.
+  const auto late = [&](int i) { return utc(i) - (i % 3 == 0 ? 0 : 60'000); };
+  const auto seen = read_ulog(receiver_log(100, late).bytes, "x.ulg").value().flights.at(0).velocity;
+  ASSERT_TRUE(seen.latency);
+  EXPECT_NEAR(seen.latency->median_s, 0.06, 1e-9);
+  EXPECT_TRUE(seen.latency->at_least);
+}
+
+TEST(UlogFlight, HasTheLatencyOfARealAutopilotsTopics) {
+  QUADSONDE_NEEDS_DATA("logs/ulog/roboto_fmuv5_test.ulg");
+  std::vector<std::uint8_t> bytes;
+  const auto content = sample("roboto_fmuv5_test.ulg", bytes);
+  const auto& f = content.flights.at(0);
+  ASSERT_TRUE(f.attitude.latency && f.barometer.latency);
+  EXPECT_GT(f.attitude.latency->median_s, 0) << "from the IMU's sample to the published attitude";
+  EXPECT_LT(f.attitude.latency->median_s, 0.02);
+  EXPECT_LT(f.barometer.latency->median_s, 0.1);
 }
 
 TEST(UlogFlight, RelatesBootTimeToUtc) {
