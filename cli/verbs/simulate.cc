@@ -22,6 +22,8 @@ class SimulateVerb : public Verb {
   std::size_t most_inputs() const override { return 1; }
   void describe(Options& options) override {
     options("truth", truth_, "T.csv", "Where the wind that was really there is written.");
+    options("flown-vehicle", flown_vehicle_, "VEHICLE.toml",
+            "Where the vehicle as flown is written, with the drag law that an ideal wind tunnel would find.");
   }
 
   int run(const Call& call) override {
@@ -56,6 +58,8 @@ class SimulateVerb : public Verb {
     }
     if (!truth_.empty())
       if (auto done = outputs.add(truth_, product::truth_csv(simulation.truth)); !done) return done;
+    if (!flown_vehicle_.empty())
+      if (auto done = outputs.add(flown_vehicle_, ingest::to_toml(simulation.vehicle)); !done) return done;
     return outputs.commit();
   }
 
@@ -90,7 +94,7 @@ class SimulateVerb : public Verb {
                                {"fastest_wind_m_s", product::json_number(f.fastest, 4)}});
   }
 
-  std::string truth_;
+  std::string truth_, flown_vehicle_;
 };
 
 }  // namespace

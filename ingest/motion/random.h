@@ -32,12 +32,23 @@ class Gaussian {
   bool has_spare_ = false;
 };
 
+/// A seed of its own for each purpose (splitmix64 of Steele, Lea and Flood, 2014), so that one kind of noise may come
+/// or go without moving the others.
+inline std::uint64_t seed_for(std::uint64_t seed, std::uint64_t purpose) {
+  std::uint64_t z = seed + (purpose + 1) * 0x9e3779b97f4a7c15;
+  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9;
+  z = (z ^ (z >> 27)) * 0x94d049bb133111eb;
+  return z ^ (z >> 31);
+}
+
 /// Ornstein-Uhlenbeck process, exact at its step.
 class OrnsteinUhlenbeck {
  public:
   OrnsteinUhlenbeck(double sd, double correlation_time, double step, Gaussian& noise)
       : decay_(correlation_time > 0 ? std::exp(-step / correlation_time) : 0),
-        drive_(sd * std::sqrt(1 - decay_ * decay_)), noise_(noise), value_(sd * noise()) {}
+        drive_(sd * std::sqrt(1 - decay_ * decay_)),
+        noise_(noise),
+        value_(sd * noise()) {}
   double next() { return value_ = decay_ * value_ + drive_ * noise_(); }
   double value() const { return value_; }
 

@@ -2,284 +2,221 @@
 
 #include <algorithm>
 #include <cmath>
-#include <deque>
+#include <memory>
 #include <numbers>
 
-#include "ingest/flight/local_frame.h"
-#include "ingest/flight/rotation.h"
-#include "ingest/motion/random.h"
+#include "ingest/motion/controller.h"
+#include "ingest/motion/navigation.h"
+#include "ingest/motion/point_mass.h"
+#include "ingest/motion/turbulence.h"
 
 namespace quadsonde::ingest {
 namespace {
 
-constexpr double step = 0.01;  // [s], 100 Hz
-constexpr double degree = std::numbers::pi / 180;
+constexpr double step = 0.01;   // [s], 100 Hz
+constexpr int inner_steps = 5;  // of the rigid body: 500 Hz
 constexpr double longest = 86400;
+constexpr double touching = 0.02;  // [m]: this low, and not meant to rise, is standing on the ground
 
-Eigen::Vector2d direction(double degrees) { return {std::cos(degrees * degree), std::sin(degrees * degree)}; }
+const Eigen::Vector3d gravity_N(0, 0, standard_gravity);
 
-Eigen::Vector2d turned(const Eigen::Vector2d& v, double degrees) {
-  return Eigen::Rotation2Dd(degrees * degree) * v;  // N to E, so clockwise from above
-}
-
-Eigen::Vector2d from_table(const std::vector<WindField::Level>& levels, double height) {
-  if (levels.empty()) return Eigen::Vector2d::Zero();
-  if (height <= levels.front().height) return levels.front().toward;
-  for (std::size_t i = 1; i < levels.size(); ++i) {
-    if (height > levels[i].height) continue;
-    const double part = (height - levels[i - 1].height) / (levels[i].height - levels[i - 1].height);
-    return levels[i - 1].toward + part * (levels[i].toward - levels[i - 1].toward);
-  }
-  return levels.back().toward;
-}
-
-/// What the pilot asks for at one instant.
-struct Wish {
-  Eigen::Vector3d position = Eigen::Vector3d::Zero(), velocity = Eigen::Vector3d::Zero();  // NED
-  double heading = 0;
+/// What flies. It starts in steady flight, or standing on the ground.
+class Aircraft {
+ public:
+  virtual ~Aircraft() = default;
+  virtual Motion motion(const Wish& wish, const Eigen::Vector3d& wind) const = 0;
+  virtual Eigen::Vector3d velocity() const = 0;
+  virtual double height() const = 0;
+  /// One tick of 10 ms, after the sensors have looked.
+  virtual void fly(const Wish& wish, const Eigen::Vector3d& wind, Sensors& sensors) = 0;
 };
 
-/// Walks the path legs at the simulator's step.
-class Path {
+/// May it stand on the ground now? A scenario that starts in the air knows no ground.
+bool stands(const Scenario& scenario, double p_down, const Wish& wish) {
+  return scenario.from_ground && p_down >= -touching && wish.velocity.z() >= 0;
+}
+
+class FlyingPointMass : public Aircraft {
  public:
-  Path(const Scenario& scenario) : legs_(scenario.path) {
-    wish_.position.z() = -(scenario.from_ground ? 0 : scenario.start_height);
+  FlyingPointMass(const Scenario& scenario, const Eigen::Vector2d& wind)
+      : scenario_(scenario), controller_(scenario.from_ground ? Eigen::Vector2d(0, 0) : lean(scenario, wind), step) {
+    if (scenario.from_ground) return;
+    body_.p.z() = -scenario.start_height;
+    body_.s = lean(scenario, wind) / standard_gravity;
   }
-  bool done() const { return leg_ >= legs_.size(); }
-  const Wish& next() {
-    const PathLeg& leg = legs_[leg_];
-    wish_.velocity = velocity(leg);
-    wish_.position += wish_.velocity * step;
-    time_in_leg_ += step;
-    turn(leg);
-    if (finished(leg)) begin_next();
-    return wish_;
+  Motion motion(const Wish& wish, const Eigen::Vector3d&) const override {
+    return {body_.p,
+            body_.v,
+            body_.vdot - gravity_N,
+            attitude_of(body_.s, wish.heading),
+            {},
+            stands(scenario_, body_.p.z(), wish)};
+  }
+  Eigen::Vector3d velocity() const override { return body_.v; }
+  double height() const override { return 0 - body_.p.z(); }
+  void fly(const Wish& wish, const Eigen::Vector3d& wind, Sensors& sensors) override {
+    const bool measured = scenario_.sensors.controller_flies_on_measured;
+    const Eigen::Vector3d v = measured ? sensors.measured_velocity(body_.v) : body_.v;
+    if (stands(scenario_, body_.p.z(), wish)) {
+      body_.v = body_.vdot = Eigen::Vector3d::Zero();
+      body_.s.setZero();
+      body_.p.z() = std::min(body_.p.z(), 0.0);
+      controller_.forget();
+      return;
+    }
+    advance(body_, controller_.acceleration(wish, body_.p, v), wind, scenario_.vehicle.drag, step);
   }
 
  private:
-  Eigen::Vector3d velocity(const PathLeg& leg) {
-    Eigen::Vector3d v = Eigen::Vector3d::Zero();
-    const double sides = std::floor(time_in_leg_ / std::max(leg.side_duration, step));
-    switch (leg.kind) {
-      case PathLeg::Kind::hover: break;
-      case PathLeg::Kind::climb: v.z() = climb(leg); break;
-      case PathLeg::Kind::line:
-        v.head<2>() = leg.speed * direction(leg.course_deg + (leg.back_and_forth && std::fmod(sides, 2) > 0 ? 180 : 0));
-        break;
-      case PathLeg::Kind::square: v.head<2>() = leg.speed * direction(leg.course_deg + 90 * std::fmod(sides, 4)); break;
-      case PathLeg::Kind::circle:
-        v.head<2>() = leg.speed * direction(leg.course_deg + leg.speed / leg.radius * time_in_leg_ / degree);
-        break;
-    }
-    return v;
+  /// Static balance of drag: g s = c a.
+  static Eigen::Vector2d lean(const Scenario& scenario, const Eigen::Vector2d& wind) {
+    return -drag_coefficient(scenario.vehicle.drag, wind.norm(), 0.0) * wind;
   }
-  double climb(const PathLeg& leg) {
-    if (pause_left_ > 0) {
-      pause_left_ -= step;
-      return 0;
-    }
-    if (leg.pause_every > 0 && climbed_ >= leg.pause_every) {
-      climbed_ = 0;
-      pause_left_ = leg.pause;
-      return 0;
-    }
-    climbed_ += leg.speed * step;
-    return -wish_.position.z() < leg.to_height ? -leg.speed : leg.speed;
-  }
-  bool finished(const PathLeg& leg) const {
-    if (leg.kind == PathLeg::Kind::climb) return std::abs(-wish_.position.z() - leg.to_height) <= leg.speed * step;
-    return time_in_leg_ >= leg.duration - step / 2;
-  }
-  void turn(const PathLeg& leg) {
-    switch (leg.heading.kind) {
-      case HeadingRule::Kind::fixed: wish_.heading = leg.heading.degrees * degree; break;
-      case HeadingRule::Kind::turning:
-        if (time_in_leg_ <= step && leg_ == 0) wish_.heading = leg.heading.degrees * degree;
-        wish_.heading += leg.heading.rate_deg_s * degree * step;
-        break;
-      case HeadingRule::Kind::along_track: {
-        if (wish_.velocity.head<2>().norm() < 0.1) break;
-        const double ahead = std::atan2(wish_.velocity.y(), wish_.velocity.x());
-        // A nose does not jump at a corner: 90 deg/s at most.
-        const double most = 90 * degree * step;
-        wish_.heading += std::clamp(wrap_angle(ahead - wish_.heading), -most, most);
-        break;
-      }
-    }
-    wish_.heading = wrap_angle(wish_.heading);
-  }
-  void begin_next() {
-    ++leg_;
-    time_in_leg_ = climbed_ = pause_left_ = 0;
-  }
-
-  const std::vector<PathLeg>& legs_;
-  std::size_t leg_ = 0;
-  double time_in_leg_ = 0, climbed_ = 0, pause_left_ = 0;
-  Wish wish_;
+  const Scenario& scenario_;
+  PointMass body_;
+  PointMassController controller_;
 };
 
-/// The point mass: position, velocity, thrust slope behind its command.
-struct Body {
-  Eigen::Vector3d p = Eigen::Vector3d::Zero(), v = Eigen::Vector3d::Zero();
-  Eigen::Vector2d s = Eigen::Vector2d::Zero();
-  double vdot_d = 0;
-};
-
-/// Position and velocity loops of the gates' simulator: 2.0 on velocity, 1.2 on position, an integral.
-class Controller {
+class FlyingRigidBody : public Aircraft {
  public:
-  /// Starts leaning into the wind that it finds, as a vehicle that has been flying does.
-  Controller(const Eigen::Vector2d& integral) : integral_(integral) {}
-  Eigen::Vector3d acceleration(const Wish& wish, const Eigen::Vector3d& p, const Eigen::Vector3d& v) {
-    const Eigen::Vector3d aim = wish.velocity + 1.2 * (wish.position - p);
-    const Eigen::Vector3d error = aim - v;
-    integral_ += 0.5 * error.head<2>() * step;
-    Eigen::Vector3d a = 2.0 * error;
-    a.head<2>() += integral_;
-    constexpr double limit = 7;  // [m/s2]
-    if (const double size = a.head<2>().norm(); size > limit) a.head<2>() *= limit / size;
-    a.z() = std::clamp(a.z(), -3.0, 3.0);
-    return a;
+  FlyingRigidBody(const Scenario& scenario, const RigidTrim& hover, const RigidTrim& start, double heading)
+      : scenario_(scenario),
+        vehicle_(scenario.rigid),
+        controller_(vehicle_, hover, step, step / inner_steps),
+        navigation_({0, 0, scenario.from_ground ? 0 : -scenario.start_height}, Eigen::Vector3d::Zero(),
+                    scenario.sensors.latency, receiver_interval(scenario.sensors), step) {
+    if (scenario.from_ground) {
+      stand(heading);
+      return;
+    }
+    state_ = start.state;
+    state_.p = navigation_.position();
+    state_.v.setZero();
+    controller_.settle(start, heading);
+  }
+  Motion motion(const Wish& wish, const Eigen::Vector3d& wind) const override {
+    const bool ground = standing_ && stands(scenario_, state_.p.z(), wish);
+    Motion m{state_.p, state_.v, {}, euler_from_q_NB(state_.q_NB), {}, ground};
+    m.force_N = standing_ ? Eigen::Vector3d(-gravity_N) : specific_force_N(vehicle_, state_, wind, density());
+    for (int i = 0; i < vehicle_.rotors; ++i)
+      m.rotors_rpm.push_back(static_cast<float>(state_.speed(i) * 30 / std::numbers::pi));
+    return m;
+  }
+  Eigen::Vector3d velocity() const override { return state_.v; }
+  double height() const override { return 0 - state_.p.z(); }
+  void fly(const Wish& wish, const Eigen::Vector3d& wind, Sensors& sensors) override {
+    if (stands(scenario_, state_.p.z(), wish)) {
+      stand(wish.heading);
+      return;
+    }
+    const EulerAngles attitude = sensors.measured(euler_from_q_NB(state_.q_NB));
+    navigation_.update(sensors.seen(), attitude);
+    const double tilt_cosine = std::cos(attitude.roll) * std::cos(attitude.pitch);
+    controller_.steer(wish, navigation_.position(), navigation_.velocity(), tilt_cosine);
+    for (int i = 0; i < inner_steps; ++i) {
+      const auto q_seen = q_NB_from_euler(sensors.measured(euler_from_q_NB(state_.q_NB)));
+      const PerRotor command = controller_.motors(q_seen, sensors.measured_rate(state_.omega_B));
+      advance(vehicle_, state_, command, wind, density(), step / inner_steps);
+      if (standing_) lift_off();
+    }
   }
 
  private:
-  Eigen::Vector2d integral_;
+  static double receiver_interval(const SensorModel& m) {
+    return 1 / (m.velocity_rate > 0 ? m.velocity_rate : m.output_rate);
+  }
+  double density() const { return standard_air_density(scenario_.site.height.m - state_.p.z()); }
+
+  /// At rest and level, the motors idling.
+  void stand(double heading) {
+    standing_ = true;
+    state_.p.z() = 0;
+    state_.v.setZero();
+    state_.omega_B.setZero();
+    state_.q_NB = q_NB_from_euler({0, 0, heading});
+    state_.speed.head(vehicle_.rotors).setConstant(vehicle_.least_speed);
+    navigation_.rest(state_.p);
+    controller_.forget();
+  }
+  /// The ground carries the vehicle, upright and in place, until the rotors do.
+  void lift_off() {
+    standing_ = state_.v.z() >= 0;
+    if (!standing_) return;
+    const PerRotor speed = state_.speed;
+    const double heading = euler_from_q_NB(state_.q_NB).yaw;
+    const Eigen::Vector3d p(state_.p.x(), state_.p.y(), 0);
+    state_ = {p, Eigen::Vector3d::Zero(), q_NB_from_euler({0, 0, heading}), Eigen::Vector3d::Zero(), speed};
+    navigation_.rest(p);
+    controller_.forget();
+  }
+
+  const Scenario& scenario_;
+  RigidVehicle vehicle_;
+  RigidState state_;
+  RigidController controller_;
+  Navigation navigation_;
+  bool standing_ = false;
 };
 
-void advance(Body& body, const Eigen::Vector3d& a_wanted, const Eigen::Vector3d& wind, const DragLaw<double>& law) {
-  constexpr double tilt_lag = 0.15;  // [s]
-  body.s += (a_wanted.head<2>() / standard_gravity - body.s) * (step / tilt_lag);
-  body.vdot_d = a_wanted.z();
-  const Eigen::Vector3d air = body.v - wind;
-  const Eigen::Vector2d acc = horizontal_acceleration<double>(law, body.s, standard_gravity - body.vdot_d, air,
-                                                              Eigen::Vector2d::Zero());
-  const Eigen::Vector3d vdot(acc.x(), acc.y(), body.vdot_d);
-  body.p += body.v * step + 0.5 * vdot * step * step;
-  body.v += vdot * step;
+Result<std::unique_ptr<Aircraft>> rigid_body(const Scenario& scenario, const Eigen::Vector2d& wind, double heading) {
+  const double rho = standard_air_density(scenario.site.height.m + (scenario.from_ground ? 0 : scenario.start_height));
+  const auto hover = trim(scenario.rigid, Eigen::Vector3d::Zero(), heading, rho);
+  if (!hover)
+    return fail(Kind::usage, "this rigid body cannot hover", {},
+                "give it less mass, or rotors that lift more: see max_rotor_rpm, rotor_diameter_m and pitch_deg");
+  const auto start = trim(scenario.rigid, {-wind.x(), -wind.y(), 0}, heading, rho);
+  return std::make_unique<FlyingRigidBody>(scenario, *hover, start.value_or(*hover), heading);
 }
 
-EulerAngles attitude_of(const Eigen::Vector2d& s, double yaw) {
-  // n is along (-s, 1); in heading axes n = (sin theta cos phi, -sin phi, cos theta cos phi).
-  const Eigen::Vector2d ahead = Eigen::Rotation2Dd(-yaw) * s;
-  const Eigen::Vector3d n = Eigen::Vector3d(-ahead.x(), -ahead.y(), 1).normalized();
-  return {std::asin(-n.y()), std::atan2(n.x(), n.z()), yaw};
+Result<std::unique_ptr<Aircraft>> make_aircraft(const Scenario& scenario, double heading) {
+  const Eigen::Vector2d wind = scenario.wind.mean(scenario.from_ground ? 0 : scenario.start_height, 0);
+  if (scenario.model == Scenario::Model::rigid_body) return rigid_body(scenario, wind, heading);
+  return std::make_unique<FlyingPointMass>(scenario, wind);
 }
 
-/// Turns the true motion into what a log would hold.
-class Sensors {
- public:
-  Sensors(const Scenario& scenario, Gaussian& noise)
-      : model_(scenario.sensors), noise_(noise), site_(scenario.site), frame_(scenario.site.point, scenario.site.height.m),
-        attitude_every_(every(model_.attitude_rate > 0 ? model_.attitude_rate : model_.output_rate)),
-        output_every_(every(model_.output_rate)),
-        roll_error_(model_.tilt_sd_deg, model_.tilt_correlation, attitude_every_ * step, noise),
-        pitch_error_(model_.tilt_sd_deg, model_.tilt_correlation, attitude_every_ * step, noise) {}
-
-  void observe(int tick, const Body& body, double yaw, const Eigen::Vector3d& wind, Simulation& out) {
-    past_.push_back(body.v);
-    const auto behind = static_cast<std::size_t>(std::lround(model_.latency / step));
-    while (past_.size() > behind + 1) past_.pop_front();
-    const LogTime time{static_cast<std::int64_t>(tick) * 10'000'000};
-    if (tick % attitude_every_ == 0) observe_attitude(time, body, yaw, out.flight);
-    if (tick % output_every_ != 0) return;
-    observe_motion(time, body, out.flight);
-    out.truth.push_back({time, GroundHeight{-body.p.z()}, wind});
-  }
-  Eigen::Vector3d measured_velocity(const Body& body) {
-    return body.v + model_.velocity_sd * Eigen::Vector3d(noise_(), noise_(), noise_());
-  }
-
- private:
-  static int every(double rate) { return std::max(1, static_cast<int>(std::lround(1 / (rate * step)))); }
-
-  void observe_attitude(LogTime time, const Body& body, double yaw, Flight& flight) {
-    EulerAngles seen = attitude_of(body.s, yaw);
-    seen.roll += (model_.trim_roll_deg + roll_error_.next()) * degree;
-    seen.pitch += (model_.trim_pitch_deg + pitch_error_.next()) * degree;
-    seen.yaw += model_.heading_error_deg * degree;
-    flight.attitude.push(time, q_NB_from_euler(seen));
-  }
-  void observe_motion(LogTime time, const Body& body, Flight& flight) {
-    const Eigen::Vector3d v_seen =
-        past_.front() + model_.velocity_sd * Eigen::Vector3d(noise_(), noise_(), noise_());
-    flight.velocity.push(time, v_seen);
-    flight.velocity.sd.push_back(model_.velocity_sd);
-    Eigen::Vector3d p_seen = body.p;
-    p_seen.head<2>() += model_.position_sd * Eigen::Vector2d(noise_(), noise_());
-    flight.position.push(time, frame_.from_ned(p_seen).first);
-    flight.height_msl.push(time, MslHeight{site_.height.m - body.p.z() + model_.height_sd * noise_()});
-  }
-
-  const SensorModel& model_;
-  Gaussian& noise_;
-  const Site& site_;
-  LocalFrame frame_;
-  int attitude_every_, output_every_;
-  OrnsteinUhlenbeck roll_error_, pitch_error_;
-  std::deque<Eigen::Vector3d> past_;
-};
-
-std::vector<PathLeg> with_take_off_and_landing(const Scenario& scenario) {
-  auto path = scenario.path;
-  if (!scenario.from_ground || path.empty()) return path;
-  PathLeg wait;
-  wait.duration = 3;
-  wait.heading = path.front().heading;
-  wait.heading.rate_deg_s = 0;
-  PathLeg up = path.front();
-  up.kind = PathLeg::Kind::climb;
-  up.speed = 1;
-  up.to_height = scenario.start_height;
-  PathLeg down = up;
-  down.heading = path.back().heading;
-  down.to_height = 0;
-  wait.heading.kind = HeadingRule::Kind::fixed;
-  path.insert(path.begin(), {wait, up});
-  wait.heading = path.back().heading;
-  path.push_back(down);
-  wait.heading.kind = HeadingRule::Kind::turning;
-  wait.heading.rate_deg_s = 0;
-  path.push_back(wait);
-  return path;
+/// As a good calibration would know it: with the latency, and one tilt noise of the same power and low-frequency
+/// density as the white and the wandering part together.
+Result<Vehicle> calibrated_rigid_body(const Scenario& scenario) {
+  auto vehicle = equivalent_vehicle(scenario.rigid, standard_air_density(scenario.site.height.m));
+  if (!vehicle) return vehicle;
+  const SensorModel& m = scenario.sensors;
+  vehicle->latency_s = m.latency;
+  vehicle->tilt_sd_deg = std::hypot(m.tilt_sd_deg, m.tilt_wander_deg);
+  vehicle->tilt_correlation_s = m.tilt_correlation;
+  if (m.tilt_wander_deg <= 0) return vehicle;
+  // Density at zero frequency: sd^2 times the interval if white, 2 sd^2 times the correlation time if not.
+  const double interval = 1 / (m.attitude_rate > 0 ? m.attitude_rate : m.output_rate);
+  const double time = m.tilt_correlation > 0 ? m.tilt_correlation : interval / 2;
+  const double density =
+      m.tilt_sd_deg * m.tilt_sd_deg * time + m.tilt_wander_deg * m.tilt_wander_deg * m.tilt_wander_time;
+  vehicle->tilt_correlation_s = density / (vehicle->tilt_sd_deg * vehicle->tilt_sd_deg);
+  return vehicle;
 }
 
-Flight empty_flight(const Scenario& scenario) {
+Flight empty_flight(const Scenario& scenario, const Vehicle& vehicle) {
   Flight flight;
-  flight.vehicle.name = scenario.vehicle.name;
+  flight.vehicle.name = vehicle.name;
   flight.vehicle.airframe = Airframe::multirotor;
-  flight.vehicle.rotors = scenario.vehicle.rotors;
+  flight.vehicle.rotors = vehicle.rotors;
   flight.vehicle.simulated = true;
-  flight.vehicle.mass_kg = scenario.vehicle.mass_kg;
+  flight.vehicle.mass_kg = vehicle.mass_kg;
   flight.clock = {Duration(scenario.site.start.ns), 1e-9, "simulated clock"};
   flight.origin = Origin{scenario.site.point, scenario.site.height};
   flight.attitude.source = flight.velocity.source = flight.position.source = flight.height_msl.source = "simulator";
+  flight.barometer.source = flight.accelerometer.source = flight.rotors.source = flight.landed.source = "simulator";
   return flight;
 }
 
-}  // namespace
-
-Eigen::Vector2d WindField::mean(double height, double time) const {
-  if (!steps.empty() && time >= steps.front().time) {
-    const auto after = std::find_if(steps.begin(), steps.end(), [&](const Step& s) { return s.time > time; });
-    return std::prev(after)->toward;
-  }
-  const double z = std::max(height, 0.0);
-  Eigen::Vector2d wind = toward;
-  switch (model) {
-    case Model::constant: break;
-    case Model::power_law: wind *= std::pow(std::max(z, 0.1) / reference_height, power_exponent); break;
-    case Model::log_law:
-      wind *= std::log(std::max(z, 1.001 * roughness) / roughness) / std::log(reference_height / roughness);
-      break;
-    case Model::jet: {
-      const double speed = 2 + 5 * (1 - std::exp(-z / 120)) + 2.5 * std::exp(-std::pow((z - 180) / 50, 2));
-      return speed * direction(70 + 40 * (1 - std::exp(-z / 300)));
-    }
-    case Model::table: wind = from_table(levels, z); break;
-  }
-  return veer_deg_per_m == 0 ? wind : turned(wind, veer_deg_per_m * (z - reference_height));
+/// The landing goes on until the ground is reached, wherever the path has come to.
+Wish towards_ground(Wish wish, const Aircraft& aircraft, const Scenario& scenario) {
+  const bool landing = scenario.from_ground && wish.position.z() > -0.05 && wish.velocity.z() >= 0;
+  if (!landing || aircraft.height() <= touching) return wish;
+  wish.velocity.z() = std::max(wish.velocity.z(), 0.3);
+  wish.position.z() = std::max(wish.position.z(), 0.5 - aircraft.height());
+  return wish;
 }
+
+}  // namespace
 
 Vehicle published_vehicle() {
   Vehicle v;
@@ -299,32 +236,33 @@ Vehicle published_vehicle() {
 }
 
 Result<Simulation> simulate(const Scenario& scenario) {
-  Scenario flown = scenario;
-  flown.path = with_take_off_and_landing(scenario);
-  if (flown.path.empty())
-    return fail(Kind::usage, "the scenario flies nothing", {}, "give [[path]] at least one leg");
+  const auto legs =
+      scenario.from_ground ? with_take_off_and_landing(scenario.path, scenario.start_height) : scenario.path;
+  if (legs.empty()) return fail(Kind::usage, "the scenario flies nothing", {}, "give [[path]] at least one leg");
+  Vehicle vehicle = scenario.vehicle;
+  if (scenario.model == Scenario::Model::rigid_body) {
+    auto calibrated = calibrated_rigid_body(scenario);
+    if (!calibrated) return fail(calibrated.error());
+    vehicle = *calibrated;
+  }
   Gaussian noise(scenario.seed);
-  const auto& w = scenario.wind;
-  OrnsteinUhlenbeck gust_n(w.sigma_u, w.time_u, step, noise), gust_e(w.sigma_u, w.time_u, step, noise);
-  OrnsteinUhlenbeck gust_d(w.sigma_w, w.time_w, step, noise);
-  Simulation out{empty_flight(scenario), {}, scenario.vehicle};
-  Sensors sensors(flown, noise);
-  Path path(flown);
-  Body body;
-  body.p.z() = scenario.from_ground ? 0 : -scenario.start_height;
-  const Eigen::Vector2d first_wind = w.mean(-body.p.z(), 0);
-  // Static balance of drag: g s = c a.
-  const Eigen::Vector2d lean = -drag_coefficient(scenario.vehicle.drag, first_wind.norm(), 0.0) * first_wind;
-  body.s = lean / standard_gravity;
-  Controller controller(lean);
+  const auto gusts = make_gusts(scenario.wind, step, noise);
+  Simulation out{empty_flight(scenario, vehicle), {}, vehicle};
+  Sensors sensors(scenario.sensors, scenario.site.point, scenario.site.height, step, scenario.seed, noise);
+  Path path(legs, scenario.from_ground ? 0 : scenario.start_height, step);
+  auto aircraft = make_aircraft(scenario, legs.front().heading.degrees * std::numbers::pi / 180);
+  if (!aircraft) return fail(aircraft.error());
+  Aircraft& flown = **aircraft;
+  Eigen::Vector3d wind = Eigen::Vector3d::Zero();
   for (int tick = 0; !path.done(); ++tick) {
     if (tick * step > longest) return fail(Kind::usage, "the scenario lasts more than a day", {}, "shorten its path");
-    const Eigen::Vector2d mean = w.mean(-body.p.z(), tick * step);
-    const Eigen::Vector3d wind(mean.x() + gust_n.next(), mean.y() + gust_e.next(), gust_d.next());
-    const Wish& wish = path.next();
-    sensors.observe(tick, body, wish.heading, wind, out);
-    const Eigen::Vector3d v_flown = scenario.sensors.controller_flies_on_measured ? sensors.measured_velocity(body) : body.v;
-    advance(body, controller.acceleration(wish, body.p, v_flown), wind, scenario.vehicle.drag);
+    const Eigen::Vector2d mean = scenario.wind.mean(flown.height(), tick * step);
+    const double airspeed = (flown.velocity().head<2>() - mean).norm();
+    wind = Eigen::Vector3d(mean.x(), mean.y(), 0) + gusts->next(flown.height(), mean, airspeed);
+    const Wish wish = towards_ground(path.next(), flown, scenario);
+    if (sensors.observe(tick, flown.motion(wish, wind), out.flight))
+      out.truth.push_back({LogTime{static_cast<std::int64_t>(tick) * 10'000'000}, GroundHeight{flown.height()}, wind});
+    flown.fly(wish, wind, sensors);
   }
   return out;
 }

@@ -3,40 +3,15 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 
 #include "ingest/flight/local_frame.h"
 #include "ingest/flight/rotation.h"
 #include "ingest/flight/segments.h"
 #include "ingest/motion/random.h"
+#include "tests/ingest/motion/made_scenarios.h"
 
 namespace quadsonde::ingest {
 namespace {
-
-constexpr double degree = std::numbers::pi / 180;
-
-Eigen::Vector2d toward(double speed, double deg) {
-  return {speed * std::cos(deg * degree), speed * std::sin(deg * degree)};
-}
-
-/// No noise and no turbulence: what is left is the motion itself.
-Scenario quiet_hover(double duration = 60) {
-  Scenario s;
-  s.vehicle = published_vehicle();
-  s.wind.sigma_u = s.wind.sigma_w = 0;
-  s.sensors.tilt_sd_deg = s.sensors.velocity_sd = s.sensors.height_sd = s.sensors.position_sd = 0;
-  s.sensors.trim_roll_deg = s.sensors.trim_pitch_deg = 0;
-  PathLeg hover;
-  hover.duration = duration;
-  s.path = {hover};
-  return s;
-}
-
-Simulation fly(const Scenario& s) {
-  auto flown = simulate(s);
-  EXPECT_TRUE(flown);
-  return *flown;
-}
 
 bool same(const Simulation& a, const Simulation& b) {
   if (a.flight.attitude.size() != b.flight.attitude.size() || a.truth.size() != b.truth.size()) return false;
@@ -141,6 +116,32 @@ TEST(Simulator, TakesOffFromTheGroundAndLands) {
   EXPECT_NEAR(highest, 12, 0.5);
 }
 
+TEST(Simulator, StaysLevelAndInPlaceWhileItStandsOnTheGround) {
+  for (const auto model : {Scenario::Model::point_mass, Scenario::Model::rigid_body}) {
+    Scenario s = quiet_hover(5);
+    s.model = model;
+    s.from_ground = true;
+    s.start_height = 3;
+    s.wind.toward = toward(8, 60);
+    s.sensors.landed_state = true;
+    const auto flown = fly(s);
+    const auto& landed = flown.flight.landed;
+    ASSERT_EQ(landed.size(), 3u) << "on the ground, in the air, on the ground";
+    ASSERT_TRUE(landed.value[0] && !landed.value[1] && landed.value[2]);
+    int standing = 0;
+    for (std::size_t i = 0; i < flown.flight.velocity.size(); ++i) {
+      const LogTime t = flown.flight.velocity.time[i];
+      if (t >= landed.time[1] && t <= landed.time[2]) continue;
+      ++standing;
+      const auto seen = euler_from_q_NB(flown.flight.attitude.value[i]);
+      EXPECT_EQ(std::abs(seen.roll) + std::abs(seen.pitch), 0);
+      EXPECT_EQ(flown.flight.velocity.value[i].norm(), 0);
+    }
+    EXPECT_GT(standing, 50) << "3 s before and 3 s after";
+    EXPECT_NEAR(flown.truth.back().height.m, 0, 0.021);
+  }
+}
+
 TEST(Simulator, GoesWhereItsPathSays) {
   Scenario s = quiet_hover(10);
   s.path[0].kind = PathLeg::Kind::line;
@@ -210,44 +211,6 @@ TEST(Simulator, RefusesToFlyNothingOrForDays) {
   const auto none = simulate(s);
   ASSERT_FALSE(none);
   EXPECT_EQ(none.error().kind, Kind::usage);
-}
-
-TEST(WindField, HasTheModelsOfTheManual) {
-  WindField jet;
-  jet.model = WindField::Model::jet;
-  const double speed = 2 + 5 * (1 - std::exp(-1.5)) + 2.5;  // at 180 m
-  const double angle = 70 + 40 * (1 - std::exp(-0.6));
-  EXPECT_LT((jet.mean(180, 0) - toward(speed, angle)).norm(), 1e-12);
-  WindField power;
-  power.model = WindField::Model::power_law;
-  power.toward = {5, 0};
-  EXPECT_NEAR(power.mean(100, 0).x(), 5 * std::pow(10, 0.143), 1e-12);
-  EXPECT_NEAR(power.mean(10, 0).x(), 5, 1e-12);
-  WindField law;
-  law.model = WindField::Model::log_law;
-  law.toward = {5, 0};
-  EXPECT_NEAR(law.mean(10, 0).x(), 5, 1e-12);
-  EXPECT_NEAR(law.mean(100, 0).x(), 5 * std::log(100 / 0.03) / std::log(10 / 0.03), 1e-12);
-  EXPECT_NEAR(law.mean(0, 0).x(), 0, 0.01) << "no wind at the ground, and no minus infinity";
-  WindField table;
-  table.model = WindField::Model::table;
-  table.levels = {{10, {1, 0}}, {20, {3, 2}}};
-  EXPECT_EQ(table.mean(5, 0), Eigen::Vector2d(1, 0));
-  EXPECT_EQ(table.mean(15, 0), Eigen::Vector2d(2, 1));
-  EXPECT_EQ(table.mean(25, 0), Eigen::Vector2d(3, 2));
-}
-
-TEST(WindField, StepsAtItsTimesAndVeersClockwise) {
-  WindField w;
-  w.toward = {4, 0};
-  w.steps = {{10, {0, 3}}, {20, {-2, 0}}};
-  EXPECT_EQ(w.mean(50, 9.99), Eigen::Vector2d(4, 0));
-  EXPECT_EQ(w.mean(50, 10), Eigen::Vector2d(0, 3));
-  EXPECT_EQ(w.mean(50, 25), Eigen::Vector2d(-2, 0));
-  WindField veering;
-  veering.toward = {4, 0};
-  veering.veer_deg_per_m = 1;
-  EXPECT_LT((veering.mean(100, 0) - toward(4, 90)).norm(), 1e-12) << "north to east";
 }
 
 TEST(Gaussian, IsStandardNormalAndTheSameEverywhere) {
