@@ -10,6 +10,7 @@
 #include "estimator/filter/classic_filter.h"
 #include "estimator/smoother/likelihood.h"
 #include "estimator/smoother/passes.h"
+#include "estimator/smoother/self_checks.h"
 
 namespace quadsonde::estimator {
 namespace {
@@ -157,6 +158,7 @@ class Estimation {
     auto trace = std::make_shared<SmootherTrace>(std::move(forward.trace));
     trace->consider = consider_covariance(vehicle_, settings_, pass_.trim_covariance, pass_.model.trim_is_state);
     smooth(*trace);
+    widen_climb_law(*trace);
     note(forward);
     for (std::size_t k = 0; k < steps_.steps.size(); ++k) {
       const auto at = trace->of_point[k];
@@ -169,7 +171,43 @@ class Estimation {
       add_point(k, &wind, trace->consider, pass_.model.trim_is_state);
     }
     if (!trace->steps.empty()) note_trim(trace->steps.back().x, trace->steps.back().P);
+    check_itself(forward, trace->consider);
+    trace->input = steps_.steps;
+    trace->settings = pass_;
     series_.trace = trace;
+  }
+
+  /// The climb law is an exponent: at sd s of it the drag may be exp(1.96 s) too small, not only 1.96 s. Its
+  /// sensitivities are stretched so that the 95 % interval reaches that far on both sides.
+  void widen_climb_law(SmootherTrace& trace) const {
+    const Eigen::Matrix2d C = trace.consider.block<2, 2>(c_climb_linear, c_climb_linear);
+    for (std::size_t k = 0; k < steps_.steps.size(); ++k) {
+      const auto at = trace.of_point[k];
+      if (at < 0) continue;
+      const double v_c = -steps_.steps[k].input.v_down;
+      const Eigen::Vector2d lever(v_c, v_c * v_c);
+      const double reach = 1.96 * std::sqrt(std::max(0.0, lever.dot(C * lever)));
+      if (reach < 0.01) continue;
+      // The exponent is clipped at ln .3, so no error of it exceeds a factor 1 / .3.
+      const double stretched = std::min(std::expm1(reach), 1 / 0.3 - 1);
+      trace.steps[static_cast<std::size_t>(at)].S.middleCols<2>(c_climb_linear) *= std::max(1.0, stretched / reach);
+    }
+  }
+
+  /// Numbers that need no truth; what fails where it could be shown makes every value doubtful.
+  void check_itself(const ForwardPass& forward, const ConsiderCovariance& consider) {
+    const double sigma = pass_.model.turbulence_sd, time = pass_.model.turbulence_time;
+    auto& checks = series_.diagnostics.self_checks;
+    checks.push_back(heading_crosstalk(series_, steps_.steps, sigma, time));
+    checks.push_back(velocity_crosstalk(series_, steps_.steps, excitation(), time));
+    checks.push_back(split_halves(series_, sigma, time));
+    checks.push_back(innovation_size(forward));
+    checks.push_back(innovation_whiteness(forward));
+    checks.push_back(hold_out(steps_.steps, pass_, consider));
+    Reasons failed;
+    for (const auto& check : checks)
+      if (check.judged && !check.passed) failed.add(check.reason);
+    add_to_all(series_, failed);
   }
 
   /// Where the wind stepped: W is opened half a second before each detection, where a second pass finds it.
@@ -276,7 +314,7 @@ class Estimation {
       const double until = k < steps.size() ? steps[k].seconds : steps.back().seconds + constants.step;
       const int repeats = std::clamp(static_cast<int>(std::lround((until - steps[first].seconds) / constants.step)), 1, 20);
       for (int i = 0; count > 0 && i < repeats; ++i) filter.step(n / count, v / count);
-      for (std::size_t i = first; i < k; ++i) add_classic_point(i, filter.wind());
+      for (std::size_t i = first; i < k; ++i) add_classic_point(i, filter);
     }
   }
 
@@ -334,11 +372,12 @@ class Estimation {
     if (trim_is_state) C.block<2, 2>(c_trim_x, c_trim_x).setZero();
     estimate.covariance = wind->covariance + wind->sensitivity * C * wind->sensitivity.transpose();
     point.wind = estimate;
+    point.v_AB_N = wind->velocity - wind->wind;
     judge(point, estimate, step, trim_is_state);
     series_.points.push_back(std::move(point));
   }
 
-  void add_classic_point(std::size_t k, const Eigen::Vector2d& wind) {
+  void add_classic_point(std::size_t k, const ClassicFilter& filter) {
     WindPoint point = place_point(k);
     if (!steps_.steps[k].sound) {
       point.wind = NoEstimate{steps_.steps[k].fault};
@@ -347,9 +386,10 @@ class Estimation {
       return;
     }
     WindEstimate estimate;
-    estimate.v_NA_N = wind;
+    estimate.v_NA_N = filter.wind();
     estimate.has_covariance = false;
     point.wind = estimate;
+    point.v_AB_N = filter.airspeed();
     // It reports no uncertainty, so it can never be called good.
     point.quality = Quality::doubtful;
     if (vehicle_.is_prior()) point.reasons.add(Reason::uncalibrated);
@@ -371,7 +411,7 @@ class Estimation {
       doubts.add(Reason::outside_airspeed_range);
     if (point.height_agl && point.height_agl->m < 3) doubts.add(Reason::low_height);
     if (jump_test_off_) doubts.add(Reason::model_fault);
-    point.quality = doubts.empty() ? Quality::good : Quality::doubtful;
+    point.quality = doubts.at_best();
     point.reasons.add(doubts);
     if (vehicle_.is_prior()) point.reasons.add(Reason::uncalibrated);
     if (density_.standard) point.reasons.add(Reason::standard_density);

@@ -1,5 +1,6 @@
 #include "estimator/smoother/likelihood.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -44,6 +45,51 @@ double maximise(const std::function<double(double)>& f, double low, double high,
   return seen[best_index()].first;
 }
 
+constexpr int most_rounds = 8;
+
+struct Parabola {
+  double middle = 0;
+  Eigen::Vector2d slope = Eigen::Vector2d::Zero();
+  Eigen::Matrix2d bend = Eigen::Matrix2d::Zero();
+};
+
+/// Slope and curvature by central differences; of the first parameter only, unless both.
+Parabola local_parabola(const std::function<double(const Eigen::Vector2d&)>& f, const Eigen::Vector2d& at,
+                        const Eigen::Vector2d& width, bool both) {
+  const auto value = [&](double x, double y) { return f(at + Eigen::Vector2d(x * width.x(), y * width.y())); };
+  Parabola p;
+  p.middle = f(at);
+  const double right = value(1, 0), left = value(-1, 0);
+  p.slope.x() = (right - left) / (2 * width.x());
+  p.bend(0, 0) = (right - 2 * p.middle + left) / (width.x() * width.x());
+  if (!both) return p;
+  const double above = value(0, 1), below = value(0, -1);
+  p.slope.y() = (above - below) / (2 * width.y());
+  p.bend(1, 1) = (above - 2 * p.middle + below) / (width.y() * width.y());
+  p.bend(0, 1) = p.bend(1, 0) = (value(1, 1) - right - above + p.middle) / (width.x() * width.y());
+  return p;
+}
+
+/// -bend, in units of the prior's sds made at least as sharp as the prior: on a flank the likelihood bends the other
+/// way, and Newton's own step would lead downhill.
+struct Information {
+  Eigen::Matrix2d information;
+  bool mended = false;
+};
+Information positive_information(const Eigen::Matrix2d& bend, const Eigen::Vector2d& prior_sd, bool both) {
+  const Eigen::Matrix2d scale = prior_sd.asDiagonal();
+  Eigen::Matrix2d scaled = -(scale * bend * scale);
+  if (!both) scaled = Eigen::Vector2d(scaled(0, 0), 1).asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(scaled);
+  Information out;
+  out.mended = solver.eigenvalues().minCoeff() < 0.99;
+  const Eigen::Vector2d values = solver.eigenvalues().cwiseMax(1.0);
+  const Eigen::Matrix2d back = prior_sd.cwiseInverse().asDiagonal();
+  out.information =
+      back * (solver.eigenvectors() * values.asDiagonal() * solver.eigenvectors().transpose()) * back;
+  return out;
+}
+
 }  // namespace
 
 double most_likely_turbulence(const std::vector<Step>& steps, PassSettings settings) {
@@ -79,35 +125,24 @@ ClimbLaw most_likely_climb_law(const std::vector<Step>& steps, PassSettings sett
     return run_forward(steps, settings).log_likelihood - 0.5 * off.dot(prior_information * off);
   };
   ClimbLaw law = prior;
-  Eigen::Vector2d width = 0.5 * prior.covariance.diagonal().cwiseSqrt();
   const Eigen::Vector2d prior_sd = prior.covariance.diagonal().cwiseSqrt();
+  Eigen::Vector2d width = 0.5 * prior_sd;
   Eigen::Matrix2d information = prior_information;
-  for (int round = 0; round < 4; ++round) {
-    // Newton on central differences; without pauses g2 stays where it is.
-    const double middle = posterior(law.value);
-    Eigen::Vector2d slope = Eigen::Vector2d::Zero();
-    Eigen::Matrix2d bend = -prior_information;
-    const auto at = [&](double x, double y) {
-      return posterior(law.value + Eigen::Vector2d(x * width.x(), y * width.y()));
-    };
-    const double right = at(1, 0), left = at(-1, 0);
-    slope.x() = (right - left) / (2 * width.x());
-    bend(0, 0) = (right - 2 * middle + left) / (width.x() * width.x());
-    if (both) {
-      const double above = at(0, 1), below = at(0, -1);
-      slope.y() = (above - below) / (2 * width.y());
-      bend(1, 1) = (above - 2 * middle + below) / (width.y() * width.y());
-      bend(0, 1) = bend(1, 0) = (at(1, 1) - right - above + middle) / (width.x() * width.y());
-    }
-    if (!(bend(0, 0) < 0) || !(bend.determinant() > 0)) break;
-    information = -bend;
-    Eigen::Vector2d move = information.ldlt().solve(slope);
-    if (!both) move = {slope.x() / information(0, 0), 0};
+  for (int round = 0; round < most_rounds; ++round) {
+    const auto local = local_parabola(posterior, law.value, width, both);
+    const auto bent = positive_information(local.bend, prior_sd, both);
+    information = bent.information;
+    Eigen::Vector2d move = information.ldlt().solve(local.slope);
+    if (!both) move = {local.slope.x() / information(0, 0), 0};
     move = move.cwiseMax(-2 * prior_sd).cwiseMin(2 * prior_sd);
-    law.value += move;
+    // A step that does not help is halved: far from the maximum the parabola is wrong.
+    double share = 1;
+    while (share > 0.1 && posterior(law.value + share * move) < local.middle) share /= 2;
+    if (share <= 0.1) break;
+    law.value += share * move;
     const Eigen::Vector2d sd = information.inverse().diagonal().cwiseSqrt();
     width = (0.7 * sd).cwiseMax(0.05 * prior_sd).cwiseMin(0.5 * prior_sd);
-    if ((move.cwiseAbs() - 0.1 * sd).maxCoeff() < 0) break;
+    if (!bent.mended && ((share * move).cwiseAbs() - 0.1 * sd).maxCoeff() < 0) break;
   }
   // Formal sds on recorded flights are too small; no single flight is trusted to better than this.
   const Eigen::Vector2d least_sd(0.01, 0.005);

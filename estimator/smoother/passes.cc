@@ -195,6 +195,7 @@ WindPosterior wind_posterior(const State<double>& x, const StateMatrix<double>& 
                              bool trim_is_state) {
   WindPosterior out;
   out.wind = x.segment<2>(i_W) + x.segment<2>(i_u);
+  out.velocity = x.segment<2>(i_v);
   const Eigen::Matrix<double, 2, 8> HP = P.middleRows<2>(i_W) + P.middleRows<2>(i_u);
   out.covariance = HP.middleCols<2>(i_W) + HP.middleCols<2>(i_u);
   out.without_trim = out.covariance;

@@ -19,26 +19,6 @@ struct SmoothedStep {
   Sensitivity<double> S = Sensitivity<double>::Zero();
 };
 
-/// What the smoother knows, step by step. Only active steps (those the filter ran on) are here.
-struct SmootherTrace {
-  std::vector<SmoothedStep> steps;
-  std::vector<std::ptrdiff_t> of_point;   ///< index into steps for each point of the series, or -1
-  std::vector<std::size_t> breaks;        ///< active steps at which the filter was restarted
-  ConsiderCovariance consider = ConsiderCovariance::Zero();
-  double turbulence_sd = 0.5, turbulence_time = 10;
-  bool trim_is_state = true;
-};
-
-/// The wind's part of a posterior.
-struct WindPosterior {
-  Eigen::Vector2d wind = Eigen::Vector2d::Zero();
-  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();        ///< noise and, if it is a state, trim
-  Eigen::Matrix2d without_trim = Eigen::Matrix2d::Zero();      ///< as if the trim were known
-  Eigen::Matrix<double, 2, consider_count> sensitivity = Eigen::Matrix<double, 2, consider_count>::Zero();
-};
-WindPosterior wind_posterior(const State<double>& x, const StateMatrix<double>& P, const Sensitivity<double>& S,
-                             bool trim_is_state);
-
 struct PassSettings {
   WindModel<double> model;
   FilterLimits<double> limits;
@@ -52,6 +32,29 @@ struct PassSettings {
   bool causal = false;              ///< the trim thaws once the heading has turned, sigma_u follows the turbulence
   bool adapt_turbulence = false;    ///< causal: sigma_u by EM over the past 120 s
 };
+
+/// What the smoother knows, step by step. Only active steps (those the filter ran on) are here.
+struct SmootherTrace {
+  std::vector<SmoothedStep> steps;
+  std::vector<std::ptrdiff_t> of_point;   ///< index into steps for each point of the series, or -1
+  std::vector<std::size_t> breaks;        ///< active steps at which the filter was restarted
+  ConsiderCovariance consider = ConsiderCovariance::Zero();
+  double turbulence_sd = 0.5, turbulence_time = 10;
+  bool trim_is_state = true;
+  std::vector<Step> input;                ///< of the final pass, one per point of the series
+  PassSettings settings;                  ///< of the final pass
+};
+
+/// The wind's part of a posterior.
+struct WindPosterior {
+  Eigen::Vector2d wind = Eigen::Vector2d::Zero();
+  Eigen::Vector2d velocity = Eigen::Vector2d::Zero();          ///< over ground
+  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();        ///< noise and, if it is a state, trim
+  Eigen::Matrix2d without_trim = Eigen::Matrix2d::Zero();      ///< as if the trim were known
+  Eigen::Matrix<double, 2, consider_count> sensitivity = Eigen::Matrix<double, 2, consider_count>::Zero();
+};
+WindPosterior wind_posterior(const State<double>& x, const StateMatrix<double>& P, const Sensitivity<double>& S,
+                             bool trim_is_state);
 
 struct CausalPoint {
   WindPosterior wind;

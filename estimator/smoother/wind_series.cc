@@ -1,5 +1,6 @@
 #include "estimator/smoother/wind_series.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -8,27 +9,36 @@ namespace {
 
 struct ReasonText {
   std::string_view name, sentence;
+  Quality at_best;
 };
 constexpr ReasonText texts[] = {
-    {"converging", "the wind is not yet told apart from the start values"},
-    {"no_attitude", "the attitude is missing around this instant"},
-    {"data_gap", "the velocity has a gap longer than the filter may coast"},
-    {"on_ground", "the vehicle is on the ground"},
-    {"tilt_over_45_deg", "the tilt is over 45 degrees, where the drag law does not hold"},
-    {"no_samples", "no sample with an estimate fell into this bin"},
-    {"fast_descent", "the descent is so fast that the drag law is not known"},
-    {"trim_unobserved", "tilt trim unobserved: the heading never turned, so level lies within the trim's prior"},
-    {"wide_uncertainty", "the uncertainty is above 1 m/s and above 30 % of the speed"},
-    {"outside_airspeed_range", "the airspeed is outside the range seen while calibrating"},
-    {"low_height", "below 3 m the ground changes the flow through the rotors"},
-    {"model_fault", "jumps or rejected samples say that the model does not fit this flight"},
-    {"crosstalk_heading", "the estimated wind turns with the nose"},
-    {"crosstalk_velocity", "the estimated wind follows the vehicle's own velocity: the drag is not right"},
-    {"few_samples", "fewer than 10 samples or one effective sample in this bin"},
-    {"up_down_differ", "ascent and descent differ by more than their uncertainties"},
-    {"inconsistent_telemetry", "the log contradicts itself"},
-    {"uncalibrated", "no vehicle file: the drag is that of a class of vehicles"},
-    {"standard_density", "the air density is that of the standard atmosphere"},
+    {"converging", "the wind is not yet told apart from the start values", Quality::none},
+    {"no_attitude", "the attitude is missing around this instant", Quality::none},
+    {"data_gap", "the velocity has a gap longer than the filter may coast", Quality::none},
+    {"on_ground", "the vehicle is on the ground", Quality::none},
+    {"tilt_over_45_deg", "the tilt is over 45 degrees, where the drag law does not hold", Quality::none},
+    {"no_samples", "no sample with an estimate fell into this bin", Quality::none},
+    {"fast_descent", "the descent is so fast that the drag law is not known", Quality::doubtful},
+    {"trim_unobserved", "tilt trim unobserved: the heading never turned, so level lies within the trim's prior",
+     Quality::doubtful},
+    {"wide_uncertainty", "the uncertainty is above 1 m/s and above 30 % of the speed", Quality::doubtful},
+    {"outside_airspeed_range", "the airspeed is outside the range seen while calibrating", Quality::doubtful},
+    {"low_height", "below 3 m the ground changes the flow through the rotors", Quality::doubtful},
+    {"model_fault", "jumps or rejected samples say that the model does not fit this flight", Quality::doubtful},
+    {"crosstalk_heading", "the estimated wind turns with the nose", Quality::doubtful},
+    {"crosstalk_velocity", "the estimated wind follows the vehicle's own velocity: the drag is not right",
+     Quality::doubtful},
+    {"few_samples", "fewer than 10 samples or one effective sample in this bin", Quality::doubtful},
+    {"up_down_differ", "ascent and descent differ by more than their uncertainties", Quality::doubtful},
+    {"inconsistent_telemetry", "the log contradicts itself or the equations of motion", Quality::bad},
+    {"doubtful_telemetry", "the log fits the equations of motion badly", Quality::doubtful},
+    {"noise_misfit", "the velocities scatter otherwise than the log states of their noise", Quality::doubtful},
+    {"hold_out_failed", "velocities kept from the filter were not foretold within their uncertainty",
+     Quality::doubtful},
+    {"halves_differ", "the two halves of a level flight differ by more than their uncertainties", Quality::doubtful},
+    {"height_drift", "the height drifted by more than half a bin during the flight", Quality::doubtful},
+    {"uncalibrated", "no vehicle file: the drag is that of a class of vehicles", Quality::good},
+    {"standard_density", "the air density is that of the standard atmosphere", Quality::good},
 };
 static_assert(std::size(texts) == static_cast<std::size_t>(Reason::count));
 
@@ -44,6 +54,13 @@ std::string_view name(Mode mode) {
 }
 std::string_view name(Reason reason) { return texts[static_cast<int>(reason)].name; }
 std::string_view sentence(Reason reason) { return texts[static_cast<int>(reason)].sentence; }
+Quality at_best(Reason reason) { return texts[static_cast<int>(reason)].at_best; }
+
+Quality Reasons::at_best() const {
+  Quality worst = Quality::good;
+  for (const auto reason : list()) worst = std::max(worst, estimator::at_best(reason));
+  return worst;
+}
 
 std::vector<Reason> Reasons::list() const {
   std::vector<Reason> all;
@@ -78,6 +95,15 @@ std::optional<double> direction_sd_deg(const WindEstimate& wind) {
   const double speed = wind.v_NA_N.norm();
   const Eigen::Vector2d across(-wind.v_NA_N.y() / speed, wind.v_NA_N.x() / speed);
   return std::sqrt(std::max(0.0, across.dot(wind.covariance * across))) / speed * 180 / std::numbers::pi;
+}
+
+void add_to_all(WindSeries& series, Reasons reasons) {
+  if (reasons.empty()) return;
+  for (auto& point : series.points) {
+    if (!std::holds_alternative<WindEstimate>(point.wind)) continue;
+    point.reasons.add(reasons);
+    point.quality = std::max(point.quality, reasons.at_best());
+  }
 }
 
 }  // namespace quadsonde::estimator

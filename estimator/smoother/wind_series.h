@@ -37,6 +37,11 @@ enum class Reason : std::uint8_t {
   few_samples,         ///< fewer than 10 samples or 1 effective one in the bin
   up_down_differ,      ///< ascent and descent contradict each other
   inconsistent_telemetry,  ///< the check found the log to contradict itself
+  doubtful_telemetry,  ///< the log fits the equations of motion badly, no fault could be named
+  noise_misfit,        ///< innovations far from the noise that the log states
+  hold_out_failed,     ///< velocities kept from the filter were not foretold within their uncertainty
+  halves_differ,       ///< the two halves of a level flight contradict each other
+  height_drift,        ///< take-off and landing, or barometer and GNSS, disagree on the height
   uncalibrated,        ///< class prior instead of a vehicle file (told, not a fault of the value)
   standard_density,    ///< air density from the standard atmosphere
   count
@@ -45,12 +50,17 @@ enum class Reason : std::uint8_t {
 std::string_view sentence(Reason reason);
 /// One word for programs: "fast_descent".
 std::string_view name(Reason reason);
+/// What a reason by itself makes of a value: none, doubtful or bad; good where it is only told. The one place where
+/// qualities follow from reasons. Source: MODEL.md section 10.
+Quality at_best(Reason reason);
 
 class Reasons {
  public:
   void add(Reason r) { bits_ |= std::uint32_t{1} << static_cast<unsigned>(r); }
   void add(Reasons other) { bits_ |= other.bits_; }
   bool has(Reason r) const { return bits_ >> static_cast<unsigned>(r) & 1; }
+  /// The quality of a value that carries these reasons: the worst that one of them allows.
+  Quality at_best() const;
   bool empty() const { return bits_ == 0; }
   std::vector<Reason> list() const;
   friend bool operator==(Reasons, Reasons) = default;
@@ -94,6 +104,8 @@ struct WindPoint {
   MaybeWind wind = NoEstimate{Reason::converging};
   Quality quality = Quality::none;
   Reasons reasons;
+  /// Velocity of the vehicle relative to the air, N and E [m/s]: the rest of the state; empty where the wind is.
+  std::optional<Eigen::Vector2d> v_AB_N;
 };
 
 enum class Mode { smoothed, causal, classic };
@@ -101,6 +113,18 @@ std::string_view name(Mode mode);
 
 /// What the two passes leave behind for exact bin statistics; opaque to everyone but profiles and the estimator.
 struct SmootherTrace;
+
+/// A test of the estimate that needs no truth. Source: design notes, section 9.
+struct SelfCheck {
+  std::string name;      ///< for programs: "heading_crosstalk_m_s"
+  std::string sentence;  ///< what it is and what came out, for people
+  double value = 0;
+  std::optional<double> sd;     ///< of the value by chance
+  std::optional<double> limit;  ///< beyond which it fails
+  bool judged = false;          ///< this flight can show it; else the value is only told
+  bool passed = true;
+  Reason reason = Reason::model_fault;  ///< which a failure gives to every value
+};
 
 /// What the flight says about itself, for `info`, reports and the quality rules.
 struct FlightDiagnostics {
@@ -114,8 +138,7 @@ struct FlightDiagnostics {
   Eigen::Vector2d trim_deg = Eigen::Vector2d::Zero();     ///< roll, pitch as estimated
   Eigen::Vector2d trim_sd_deg = Eigen::Vector2d::Zero();
   double log_likelihood = 0;
-  std::optional<double> crosstalk_heading;   ///< [m/s]
-  std::optional<double> crosstalk_velocity, crosstalk_velocity_sd;
+  std::vector<SelfCheck> self_checks;
   double climb_linear = 0, climb_linear_sd = 0;  ///< alpha as used [s/m]
   double climb_quadratic = 0, climb_quadratic_sd = 0;  ///< g2 as used [s2/m2]
   bool climb_estimated = false;
@@ -132,5 +155,8 @@ struct WindSeries {
   std::vector<ingest::Problem> problems;
   std::shared_ptr<const SmootherTrace> trace;  ///< smoothed mode only
 };
+
+/// Gives every value the reasons, and the quality that they leave it at best. What has no value keeps its own reason.
+void add_to_all(WindSeries& series, Reasons reasons);
 
 }  // namespace quadsonde::estimator
