@@ -75,14 +75,16 @@ void add_bound(const estimator::WindSeries& series, const std::vector<std::size_
 
 void collect_reasons(const estimator::WindSeries& series, const std::vector<std::size_t>& members, BinMean& bin) {
   std::map<estimator::Reason, std::size_t> counts;
-  std::size_t doubtful = 0;
+  std::size_t doubtful = 0, bad = 0;
   for (const auto i : members) {
     for (const auto reason : series.points[i].reasons.list()) ++counts[reason];
     doubtful += series.points[i].quality != Quality::good;
+    bad += series.points[i].quality == Quality::bad;
   }
   for (const auto& [reason, count] : counts)
     if (5 * count >= members.size()) bin.reasons.add(reason);
   bin.doubtful_share = static_cast<double>(doubtful) / static_cast<double>(members.size());
+  bin.bad_share = static_cast<double>(bad) / static_cast<double>(members.size());
 }
 
 /// Time that the members stand for: each the interval to the point before it, gaps counted as 2 s at most.

@@ -21,7 +21,7 @@ struct BinMean {
   std::size_t samples = 0;
   double effective_samples = 0;
   Reasons reasons;                                       ///< held by a fifth of the samples or more
-  double doubtful_share = 0;
+  double doubtful_share = 0, bad_share = 0;
 
   Eigen::Matrix2d trim_part() const { return per_trim * trim * per_trim.transpose(); }
 };

@@ -49,6 +49,13 @@ double extent(const Run& run, const std::vector<std::optional<double>>& heights)
 
 }  // namespace
 
+void add_climb_rates(std::vector<estimator::WindPoint>& points, const std::vector<std::optional<double>>& heights) {
+  for (std::size_t i = 1; i + 1 < points.size(); ++i) {
+    const double span = ingest::to_seconds(points[i + 1].time - points[i - 1].time);
+    if (heights[i - 1] && heights[i + 1] && span > 0) points[i].v_up = (*heights[i + 1] - *heights[i - 1]) / span;
+  }
+}
+
 std::vector<Part> find_parts(const std::vector<estimator::WindPoint>& points,
                              const std::vector<std::optional<double>>& heights, double least_extent,
                              const LegSettings& settings) {

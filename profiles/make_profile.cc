@@ -9,8 +9,10 @@
 #include <map>
 #include <numbers>
 
+#include "estimator/smoother/chi_square.h"
 #include "profiles/bin_statistics.h"
 #include "profiles/legs.h"
+#include "profiles/optimal.h"
 
 namespace quadsonde::profiles {
 namespace {
@@ -67,12 +69,21 @@ class Profiler {
     profile_.bin_m = settings_.bin_m;
     profile_.datum = settings_.datum;
     if (const auto problem = choose_datum()) return ingest::fail(*problem);
-    parts_ = find_parts(series_.points, heights_, settings_.bin_m);
+    if (settings_.leg_times.empty()) {
+      parts_ = find_parts(series_.points, heights_, settings_.bin_m);
+    } else {
+      auto named = named_parts(series_.points, settings_.leg_times);
+      if (!named) return ingest::fail(named.error());
+      parts_ = std::move(*named);
+    }
+    profile_.found = found_legs(series_, parts_, heights_);
     collect();
     if (low_ > high_)
       return ingest::fail(Kind::no_answer, "no instant of this flight has both a wind and a height", {},
                           "see `quadsonde info` for what the log lacks");
     write_legs();
+    if (settings_.method == Method::optimal)
+      if (const auto problem = estimate_optimal()) return ingest::fail(*problem);
     return std::move(profile_);
   }
 
@@ -126,7 +137,7 @@ class Profiler {
     Leg up{LegName::up, {}}, down{LegName::down, {}}, all{LegName::all, {}};
     for (int b = low_; b <= high_; ++b) {
       std::vector<BinMean> means;
-      std::vector<std::size_t> together;
+      std::vector<std::vector<std::size_t>> behind;  // the samples of each mean
       for (const auto part : {Part::up, Part::down, Part::level}) {
         const auto found = members_[static_cast<int>(part)].find(b);
         const std::vector<std::size_t> none;
@@ -134,12 +145,15 @@ class Profiler {
         const BinMean mean = bin_mean(series_, members);
         if (climbs && part == Part::up) add(up, row(b, mean, members), members);
         if (climbs && part == Part::down) add(down, row(b, mean, members), members);
-        if (mean.samples) means.push_back(mean);
-        together.insert(together.end(), members.begin(), members.end());
+        if (mean.samples) means.push_back(mean), behind.push_back(members);
       }
       if (climbs) test_difference(up.bins.back(), down.bins.back());
+      leave_out_doubtful(means, behind);
+      std::vector<std::size_t> together;
+      for (const auto& members : behind) together.insert(together.end(), members.begin(), members.end());
       std::sort(together.begin(), together.end());
-      add(all, row(b, combined(means, d.sigma_u), together), together);
+      all_means_.push_back(combined(means, d.sigma_u));
+      add(all, row(b, all_means_.back(), together), together);
     }
     if (climbs) profile_.legs = {up, down};
     profile_.legs.push_back(all);
@@ -156,10 +170,19 @@ class Profiler {
     leg.utc_to = leg.utc_to ? std::max(*leg.utc_to, *last) : *last;
   }
 
-  /// Covariance-weighted mean of the parts of a bin; doubtful parts only where no other is.
-  BinMean combined(std::vector<BinMean> means, double sigma_u) const {
+  /// Doubtful parts of a bin, such as a fast descent, count only where no other is.
+  static void leave_out_doubtful(std::vector<BinMean>& means, std::vector<std::vector<std::size_t>>& behind) {
     const auto doubtful = [](const BinMean& m) { return m.doubtful_share > 0.5; };
-    if (!std::all_of(means.begin(), means.end(), doubtful)) std::erase_if(means, doubtful);
+    if (std::all_of(means.begin(), means.end(), doubtful)) return;
+    for (std::size_t i = means.size(); i-- > 0;) {
+      if (!doubtful(means[i])) continue;
+      means.erase(means.begin() + static_cast<std::ptrdiff_t>(i));
+      behind.erase(behind.begin() + static_cast<std::ptrdiff_t>(i));
+    }
+  }
+
+  /// Covariance-weighted mean of the parts of a bin.
+  BinMean combined(const std::vector<BinMean>& means, double sigma_u) const {
     if (means.empty()) return {};
     if (means.size() == 1) return means.front();
     Eigen::Matrix2d information = Eigen::Matrix2d::Zero();
@@ -185,11 +208,73 @@ class Profiler {
       out.effective_samples += m.effective_samples;
       out.reasons.add(m.reasons);
       out.doubtful_share += m.doubtful_share * static_cast<double>(m.samples);
+      out.bad_share += m.bad_share * static_cast<double>(m.samples);
     }
     out.turbulence /= std::max(out.seconds, 1e-9);
     out.doubtful_share /= static_cast<double>(out.samples);
+    out.bad_share /= static_cast<double>(out.samples);
     return out;
   }
+
+  /// The rows of `all` become nodes of a profile that is estimated as such; the legs' bins have no part in it.
+  std::optional<ingest::Problem> estimate_optimal() {
+    if (!series_.trace)
+      return ingest::Problem{ingest::Kind::usage, "--method optimal needs the smoothed wind", {},
+                             "leave --mode out, or take --method bins"};
+    NodeSettings nodes;
+    nodes.spacing = settings_.bin_m;
+    nodes.lowest = (low_ + 0.5) * settings_.bin_m;
+    nodes.count = static_cast<std::size_t>(high_ - low_ + 1);
+    nodes.height_psd = settings_.height_psd;
+    if (nodes.count > most_nodes)
+      return ingest::Problem{ingest::Kind::usage,
+                             fmt::format("--method optimal: {} nodes are too many", nodes.count), {},
+                             fmt::format("take larger bins with --bin-m, so that there are at most {}", most_nodes)};
+    const auto estimate = estimate_nodes(*series_.trace, heights_, nodes);
+    Leg leg = profile_.legs.back();
+    profile_.legs = {};
+    for (std::size_t i = 0; i < leg.bins.size(); ++i) fill_node(leg.bins[i], estimate, i);
+    profile_.legs.push_back(std::move(leg));
+    profile_.method = Method::optimal;
+    profile_.optimal = OptimalDetails{{}, estimate.kernel, estimate.kernel.trace()};
+    for (std::size_t i = 0; i < nodes.count; ++i)
+      profile_.optimal->height.push_back(nodes.lowest + static_cast<double>(i) * nodes.spacing);
+    return std::nullopt;
+  }
+
+  /// What is not a state of the node filter (drag, heading, a frozen trim) is taken over from the nearest bin mean.
+  void fill_node(Bin& bin, const NodeEstimate& estimate, std::size_t i) const {
+    const auto at = static_cast<Eigen::Index>(i);
+    const BinMean& mean = all_means_[nearest_with_samples(i)];
+    WindEstimate wind;
+    wind.v_NA_N = estimate.wind.col(at);
+    const Eigen::Matrix2d noise = estimate.covariance.block<2, 2>(2 * at, 2 * at);
+    const Eigen::Matrix2d calibration = mean.per_parameter * series_.trace->consider * mean.per_parameter.transpose();
+    wind.covariance = noise + calibration;
+    if (!series_.trace->trim_is_state) wind.covariance += mean.trim_part();
+    bin.wind = wind;
+    bin.sd_noise = std::sqrt(noise.trace() / 2);
+    bin.sd_sampling = std::nullopt;  // turbulence is apart from the nodes: a node is the mean state already
+    bin.effective_samples = std::nullopt;
+    bin.freedom = estimate.kernel(at, at);
+    bin.resolution_m = estimate.resolution(i, settings_.bin_m);
+    // Of such a node nine tenths are prior.
+    if (*bin.freedom < 0.1) bin.reasons.add(Reason::few_samples);
+    if (bin.quality == Quality::none) bin.reasons = mean.reasons, bin.reasons.add(Reason::few_samples);
+    bin.quality = std::max(mean.bad_share > 0.5 ? Quality::bad : Quality::good, bin.reasons.at_best());
+    if (bin.quality == Quality::none) bin.quality = Quality::doubtful;
+  }
+
+  std::size_t nearest_with_samples(std::size_t i) const {
+    std::size_t best = i, distance = SIZE_MAX;
+    for (std::size_t k = 0; k < all_means_.size(); ++k) {
+      const std::size_t d = k > i ? k - i : i - k;
+      if (all_means_[k].samples && d < distance) best = k, distance = d;
+    }
+    return best;
+  }
+
+  static constexpr std::size_t most_nodes = 200;
 
   double time_u() const { return series_.trace ? series_.trace->turbulence_time : 10; }
 
@@ -227,6 +312,10 @@ class Profiler {
       wind.covariance = mean.noise + trim + calibration;
       bin.sd_calibration = std::sqrt(std::max(0.0, calibration.trace() / 2));
       bin.sd_trim = std::sqrt(std::max(0.0, trim.trace() / 2));
+      bin.sd_noise = std::sqrt(std::max(0.0, mean.noise.trace() / 2));
+      const auto law = mean.per_parameter.middleCols<2>(estimator::c_climb_linear);
+      const Eigen::Matrix2d climb = C.block<2, 2>(estimator::c_climb_linear, estimator::c_climb_linear);
+      bin.sd_climb_law = std::sqrt(std::max(0.0, (law * climb * law.transpose()).trace() / 2));
       bin.sd_sampling = std::sqrt(sampling_variance(series_.diagnostics.sigma_u, time_u(), mean.seconds));
       bin.effective_samples = mean.effective_samples;
       // Shorter than two correlation times, a bin tells nothing of its turbulence.
@@ -245,7 +334,7 @@ class Profiler {
       bin.reasons.add(Reason::wide_uncertainty);
       doubtful = true;
     }
-    bin.quality = doubtful ? Quality::doubtful : Quality::good;
+    bin.quality = mean.bad_share > 0.5 ? Quality::bad : doubtful ? Quality::doubtful : Quality::good;
   }
 
   /// chi2 = d' (C_up + C_down + turbulence)^-1 d, bin by bin.
@@ -262,13 +351,14 @@ class Profiler {
 
   void close_test() {
     if (dof_ == 0) return;
-    // Wilson and Hilferty's cube root makes chi-square nearly normal.
-    const double n = dof_, z = (std::cbrt(chi2_ / n) - (1 - 2 / (9 * n))) / std::sqrt(2 / (9 * n));
-    profile_.up_down = UpDownTest{chi2_, dof_, 0.5 * std::erfc(z / std::numbers::sqrt2)};
+    profile_.up_down = UpDownTest{chi2_, dof_, estimator::chi_square_tail(chi2_, dof_)};
     if (profile_.up_down->p_value > 0.01) return;
     for (auto& leg : profile_.legs)
       for (auto& bin : leg.bins)
-        if (bin.samples) bin.reasons.add(Reason::up_down_differ);
+        if (bin.samples) {
+          bin.reasons.add(Reason::up_down_differ);
+          bin.quality = std::max(bin.quality, estimator::at_best(Reason::up_down_differ));
+        }
     profile_.problems.push_back({Kind::doubtful,
                                  fmt::format("ascent and descent differ by more than their uncertainties (chi-square {:.0f} "
                                              "for {} degrees of freedom)", chi2_, dof_),
@@ -281,6 +371,7 @@ class Profiler {
   std::vector<std::optional<double>> heights_;
   std::vector<Part> parts_;
   std::array<std::map<int, std::vector<std::size_t>>, 3> members_;
+  std::vector<BinMean> all_means_;  ///< of the rows of `all`
   int low_ = 1 << 30, high_ = -(1 << 30);
   double chi2_ = 0;
   int dof_ = 0;

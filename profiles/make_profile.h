@@ -1,4 +1,6 @@
 #pragma once
+#include <string>
+
 #include "estimator/smoother/wind_series.h"
 #include "ingest/flight/problem.h"
 #include "profiles/profile.h"
@@ -8,14 +10,21 @@ namespace quadsonde::profiles {
 struct ProfileSettings {
   double bin_m = 10;
   Datum datum = Datum::agl;
+  Method method = Method::bins;
+  std::string leg_times;      ///< empty: legs are found in the height's course
+  double height_psd = 0.02;   ///< method optimal: random walk of the wind with height [m2/s2 per metre]
 };
 
 template <class Visitor>
 void describe(ProfileSettings& s, Visitor&& visit) {
   visit("bin_m", s.bin_m, 1.0, 1000.0, "Height of a bin; edges are its multiples in the chosen datum.");
+  visit("leg_times", s.leg_times, "LIST",
+        "Legs named by the log's time_s, as in \"up 10-130, down 150-270\"; what is not named is neither.");
+  visit("height_psd", s.height_psd, 0.0001, 1.0,
+        "Method optimal: how much the wind may vary with height, variance per metre (m2/s2/m).");
 }
 
-/// Bins one flight: up, down and all legs, or only `all` for a flight without a climb of one bin.
+/// Bins one flight, or with method optimal estimates the profile itself (profiles/optimal.h): up, down and all legs, or only `all` for a flight without a climb of one bin.
 /// datum agl falls back to msl, with a Problem, when the height above take-off is not known.
 /// Fails with Kind::missing when the flight has no height at all.
 /// Source: estimator/MODEL.md, bins.

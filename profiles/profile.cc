@@ -7,5 +7,10 @@ std::string_view name(LegName leg) {
   return names[static_cast<int>(leg)];
 }
 std::string_view name(Datum datum) { return datum == Datum::agl ? "agl" : "msl"; }
+std::string_view name(Method method) { return method == Method::bins ? "bins" : "optimal"; }
+std::string_view name(FoundLeg::Kind kind) {
+  constexpr std::string_view names[] = {"ascent", "descent", "hover", "level leg", "transit"};
+  return names[static_cast<int>(kind)];
+}
 
 }  // namespace quadsonde::profiles

@@ -41,13 +41,20 @@ TEST(Profile, WritesUpThenDownThenAllWithTheSameBins) {
   EXPECT_EQ(p.legs[2].bins[1].samples, p.legs[0].bins[1].samples + p.legs[1].bins[1].samples);
 }
 
+ProfileSettings bins_of(double bin_m, Datum datum) {
+  ProfileSettings settings;
+  settings.bin_m = bin_m;
+  settings.datum = datum;
+  return settings;
+}
+
 TEST(Profile, EdgesAreMultiplesOfTheBinInItsDatum) {
   auto maker = SeriesMaker().from(-7).climb(38, 2, breeze);
-  auto p = profile_of(maker.series, {15, Datum::agl});
+  auto p = profile_of(maker.series, bins_of(15, Datum::agl));
   ASSERT_EQ(p.legs.front().bins.size(), 4u);
   EXPECT_EQ(p.legs.front().bins[0].bottom, -15) << "a take-off point above the ground that follows";
   EXPECT_EQ(p.legs.front().bins[3].top, 45);
-  p = profile_of(maker.series, {15, Datum::msl});
+  p = profile_of(maker.series, bins_of(15, Datum::msl));
   EXPECT_EQ(p.datum, Datum::msl);
   EXPECT_EQ(p.legs.front().bins.front().bottom, 135) << "143 m is in the bin from 135 to 150";
   EXPECT_EQ(p.legs.front().bins.back().top, 195);
