@@ -6,17 +6,16 @@
 
 #include "estimator/smoother/wind_series.h"
 #include "export/csv/source.h"
+#include "export/station/station.h"
 #include "profiles/profile.h"
 
 namespace quadsonde::product {
 
-/// What a netCDF file says about itself and no log knows. What is empty is left out of the file, never invented.
+/// What a product says about itself beside its numbers. What is empty is left out of the file, never invented.
 struct NetcdfMetadata {
-  std::string title;       ///< left empty: one that says what the file holds
-  std::string flight_id;   ///< left empty: the log's stem and the flight's number
-  std::string station_id;  ///< WIGOS identifier of the launch site, or another that names it
-  std::string institution, project, license, references, acknowledgement, naming_authority;
-  std::string creator_name, creator_email, creator_url;
+  std::string title;      ///< left empty: one that says what the file holds
+  std::string flight_id;  ///< left empty: the log's stem and the flight's number
+  Station station;
   std::string vehicle, autopilot;  ///< as the log names them
   std::optional<ingest::GeoPoint> takeoff;
   std::optional<ingest::MslHeight> takeoff_msl;

@@ -32,16 +32,20 @@ void write_conventions(NcFile& file, const ProductText& text, const NetcdfMetada
   put("standard_name_vocabulary", "CF Standard Name Table v83");
   put("cdm_data_type", text.cdm_data_type);
   put("id", id);
-  put("naming_authority", m.naming_authority);
-  put("institution", m.institution);
-  put("project", m.project);
-  put("creator_name", m.creator_name);
-  put("creator_email", m.creator_email);
-  put("creator_url", m.creator_url);
-  put("license", m.license);
-  put("references", m.references);
-  put("acknowledgement", m.acknowledgement);
-  put("platform", m.vehicle.empty() ? "multirotor" : "multirotor " + m.vehicle);
+  const auto& s = m.station;
+  put("naming_authority", s.naming_authority);
+  put("institution", s.institution);
+  put("project", s.project);
+  put("creator_name", s.contact_name);
+  put("creator_email", s.contact_email);
+  put("creator_url", s.contact_url);
+  put("publisher_name", s.publisher_name);
+  put("publisher_email", s.publisher_email);
+  put("publisher_url", s.publisher_url);
+  put("license", s.license);
+  put("references", s.references);
+  put("acknowledgement", s.acknowledgement);
+  put("platform", platform_text(m));
   put("instrument", m.autopilot.empty() ? "attitude and velocity of the autopilot"
                                         : "attitude and velocity of the autopilot " + m.autopilot);
   put("source", "multirotor flight log, wind from tilt and ground velocity by " + maker());
@@ -90,22 +94,6 @@ void write_extent(NcFile& file, const ProductText& text) {
   put("geospatial_vertical_resolution", std::string_view(text.vertical_resolution));
 }
 
-void write_provenance(NcFile& file, const ProductSource& source) {
-  const auto put = [&](const char* name, std::string_view value) { file.attribute(NcFile::global, name, value); };
-  put("quadsonde_version", version());
-  put("quadsonde_input_file", source.file);
-  put("quadsonde_input_sha256", source.sha256);
-  file.attribute(NcFile::global, "quadsonde_input_flight", std::span<const std::int32_t>(&source.flight, 1));
-  put("quadsonde_settings", one_line(json_settings(source.settings)));
-  put("quadsonde_vehicle", one_line(json_vehicle(source.vehicle)));
-  auto problems = source.problems;
-  // An attribute is no place for thousands; the JSON products have them all.
-  if (problems.size() > most_problems) problems.resize(most_problems);
-  put("quadsonde_problems", one_line(json_problems(problems)));
-  const auto count = static_cast<std::int32_t>(source.problems.size());
-  file.attribute(NcFile::global, "quadsonde_problem_count", std::span<const std::int32_t>(&count, 1));
-}
-
 }  // namespace
 
 void Extent::add(double value) {
@@ -135,6 +123,20 @@ std::string flight_id(const NetcdfMetadata& metadata, const ProductSource& sourc
   return id;
 }
 
+std::string heights_text(const ProductSource& source, const std::string& geoid) {
+  if (source.made_heights.empty())
+    return "altitude is the height above the sea that the log gives, taken as above the geoid named in "
+           "crs:geoid_name; geoid_height by " +
+           geoid;
+  return "the log has no height above the sea: altitude is " + source.made_heights + "; geoid_height by " + geoid;
+}
+
+std::string platform_text(const NetcdfMetadata& metadata) {
+  const auto& s = metadata.station;
+  const auto& name = s.platform_name.empty() ? metadata.vehicle : s.platform_name;
+  return (s.platform_type.empty() ? "multirotor" : s.platform_type) + (name.empty() ? "" : " " + name);
+}
+
 std::string iso_duration(double seconds) {
   auto text = fmt::format("{:.3f}", std::max(0.0, seconds));
   text.erase(text.find_last_not_of('0') + 1);
@@ -147,12 +149,39 @@ std::string padded(std::string text, std::size_t length) {
   return text;
 }
 
-void write_global_attributes(NcFile& file, const ProductText& text, const ProductSource& source,
-                             const NetcdfMetadata& metadata) {
-  write_conventions(file, text, metadata, flight_id(metadata, source));
+void write_provenance(NcFile& file, const ProductSource& source, const NetcdfMetadata& metadata) {
+  const auto put = [&](const char* name, std::string_view value) { file.attribute(NcFile::global, name, value); };
+  put("quadsonde_station_file", metadata.station.file);
+  put("quadsonde_wigos_id", metadata.station.wigos_id);
+  put("quadsonde_site_name", metadata.station.name);
+  put("quadsonde_operator_id", metadata.station.operator_id);
+  put("quadsonde_airframe_id", metadata.station.airframe_id);
+  put("quadsonde_heights", source.made_heights);
+  put("quadsonde_version", version());
+  put("quadsonde_input_file", source.file);
+  put("quadsonde_input_sha256", source.sha256);
+  file.attribute(NcFile::global, "quadsonde_input_flight", std::span<const std::int32_t>(&source.flight, 1));
+  put("quadsonde_settings", one_line(json_settings(source.settings)));
+  put("quadsonde_vehicle", one_line(json_vehicle_of(source)));
+  auto problems = source.problems;
+  // An attribute is no place for thousands; the JSON products have them all.
+  if (problems.size() > most_problems) problems.resize(most_problems);
+  put("quadsonde_problems", one_line(json_problems(problems)));
+  const auto count = static_cast<std::int32_t>(source.problems.size());
+  file.attribute(NcFile::global, "quadsonde_problem_count", std::span<const std::int32_t>(&count, 1));
+}
+
+void write_common_attributes(NcFile& file, const ProductText& text, const NetcdfMetadata& metadata,
+                             const std::string& id) {
+  write_conventions(file, text, metadata, id);
   write_dates(file, text, metadata);
   write_extent(file, text);
-  write_provenance(file, source);
+}
+
+void write_global_attributes(NcFile& file, const ProductText& text, const ProductSource& source,
+                             const NetcdfMetadata& metadata) {
+  write_common_attributes(file, text, metadata, flight_id(metadata, source));
+  write_provenance(file, source, metadata);
 }
 
 }  // namespace quadsonde::product

@@ -78,6 +78,8 @@ constexpr int deflate_level = 4;
 
 }  // namespace
 
+std::unique_lock<std::mutex> lock_netcdf() { return std::unique_lock(writer_lock()); }
+
 const NcFile::Variable NcFile::global = NC_GLOBAL;
 
 // Not on a disk: HDF5 ends the process when one fills up under it. Not nc_create_mem: its files do not track the order

@@ -11,6 +11,9 @@
 
 namespace quadsonde::product {
 
+/// Neither netCDF nor HDF5 may be called by two threads: whoever calls them holds this.
+std::unique_lock<std::mutex> lock_netcdf();
+
 /// The bytes of a netCDF-4 file; whoever writes them to a disk does so whole or not at all. Compressed, with checksums,
 /// and the same calls give the same bytes. It grows in memory.
 ///

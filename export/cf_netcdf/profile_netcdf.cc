@@ -74,12 +74,6 @@ const std::vector<BinVariable>& bin_variables() {
   return variables;
 }
 
-bool is_wigos(const std::string& id) {
-  // 0-20000-0-15015: four parts, the last of letters and digits.
-  return std::count(id.begin(), id.end(), '-') == 3 && id.find_first_not_of("0123456789-") >= id.rfind('-') &&
-         id.back() != '-';
-}
-
 /// Defines and writes one file.
 class ProfileFile {
  public:
@@ -107,8 +101,8 @@ class ProfileFile {
     for (const auto& record : r_.records)
       profile_ids_.push_back(fmt::format("{}-{}", flight, profiles::name(record.leg->name)));
     // Without an identifier the site is named by what is known of it.
-    station_ = metadata_.station_id.empty() ? fmt::format("{:.4f},{:.4f}", r_.place.lat_deg, r_.place.lon_deg)
-                                            : metadata_.station_id;
+    const auto& site = metadata_.station.site();
+    station_ = site.empty() ? fmt::format("{:.4f},{:.4f}", r_.place.lat_deg, r_.place.lon_deg) : site;
     for (const auto& id : profile_ids_) id_length_ = std::max(id_length_, id.size());
     id_length_ = std::max(id_length_, station_.size());
   }
@@ -127,8 +121,8 @@ class ProfileFile {
     v_.station_id = file_.variable("station_id", Type::character, {letters_});
     file_.attribute(v_.station_id, "cf_role", "timeseries_id");
     file_.attribute(v_.station_id, "long_name",
-                    is_wigos(station_) ? "WIGOS station identifier of the launch site"
-                    : metadata_.station_id.empty()
+                    !metadata_.station.wigos_id.empty() ? "WIGOS station identifier of the launch site"
+                    : metadata_.station.site().empty()
                         ? "launch site by latitude and longitude, as it has no other identifier"
                         : "identifier of the launch site");
     v_.profile_id = file_.variable("profile_id", Type::character, {time_, letters_}, {time_chunk, id_length_});
@@ -215,11 +209,8 @@ class ProfileFile {
     t.summary =
         "Horizontal wind estimated from the attitude and the motion of a multirotor, averaged in altitude bins.";
     t.processing_level = "binned profile";
-    t.comment = fmt::format(
-        "altitude is the height above the sea that the log gives, taken as above the geoid named in crs:geoid_name; "
-        "bins of {} m above {}; "
-        "geoid_height by {}",
-        profile_.bin_m, profile_.datum == profiles::Datum::agl ? "take-off" : "the sea", geoid_.provenance());
+    t.comment = fmt::format("{}; bins of {} m above {}", heights_text(source_, geoid_.provenance()), profile_.bin_m,
+                            profile_.datum == profiles::Datum::agl ? "take-off" : "the sea");
     t.lat.add(r_.place.lat_deg), t.lon.add(r_.place.lon_deg);
     for (const double z : r_.altitude) t.altitude.add(z);
     const auto& records = r_.records;
@@ -313,8 +304,13 @@ class ProfileFile {
 
 ingest::Result<std::string> profile_netcdf(const profiles::WindProfile& profile, const ProductSource& source,
                                            const NetcdfMetadata& metadata) {
-  const auto records = profile_records(profile, metadata);
+  const auto records = profile_records(profile, metadata, "netCDF");
   if (!records) return ingest::fail(records.error());
+  for (std::size_t i = 1; i < records->records.size(); ++i)
+    if (!(records->records[i - 1].mid_s() < records->records[i].mid_s()))
+      return ingest::fail(ingest::Kind::inconsistent,
+                          "ascents and descents share their mid time, and a time axis must grow", {},
+                          "ask for --leg up, down or all");
   return ProfileFile(*records, profile, source, metadata).bytes();
 }
 

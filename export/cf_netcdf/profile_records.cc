@@ -1,5 +1,7 @@
 #include "export/cf_netcdf/profile_records.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -67,10 +69,11 @@ bool find_place(ProfileRecords& out, const std::optional<ingest::GeoPoint>& take
   return count > 0;
 }
 
-Result<void> fill_axis(ProfileRecords& out, const profiles::WindProfile& profile) {
+Result<void> fill_axis(ProfileRecords& out, const profiles::WindProfile& profile, std::string_view product) {
   if (profile.datum == profiles::Datum::agl && !out.takeoff_msl)
-    return fail(Kind::missing, "no netCDF without heights above the sea: that of the take-off point is not known", {},
-                "give --takeoff-msl M");
+    return fail(Kind::missing,
+                fmt::format("no {} without heights above the sea: that of the take-off point is not known", product),
+                {}, "give --takeoff-msl M");
   const double base = profile.datum == profiles::Datum::agl ? out.takeoff_msl->m : 0;
   const auto& bins = out.records.front().leg->bins;
   for (std::size_t i = 0; i < bins.size(); ++i) {
@@ -96,28 +99,26 @@ Result<void> fill_axis(ProfileRecords& out, const profiles::WindProfile& profile
 
 double ProfileRecord::mid_s() const { return static_cast<double>(from.ns / 2 + to.ns / 2) * 1e-9; }
 
-Result<ProfileRecords> profile_records(const profiles::WindProfile& profile, const NetcdfMetadata& metadata) {
+Result<ProfileRecords> profile_records(const profiles::WindProfile& profile, const NetcdfMetadata& metadata,
+                                       std::string_view product) {
   ProfileRecords out;
   for (const auto* leg : legs_to_write(profile)) {
     const auto span = span_of(*leg);
     if (!span)
-      return fail(Kind::missing, "no netCDF without UTC: the log's clock never saw it", {}, "give --start-utc T");
+      return fail(Kind::missing, fmt::format("no {} without UTC: the log's clock never saw it", product), {},
+                  "give --start-utc T");
     out.records.push_back({leg, span->first, span->second});
   }
   if (out.records.empty())
     return fail(Kind::no_answer, "no bin of the profile has a wind, so there is nothing to write", {},
-                "see the reasons in the CSV");
+                "see the reasons in the CSV (-o X.csv)");
   std::stable_sort(out.records.begin(), out.records.end(),
                    [](const auto& a, const auto& b) { return a.mid_s() < b.mid_s(); });
-  for (std::size_t i = 1; i < out.records.size(); ++i)
-    if (!(out.records[i - 1].mid_s() < out.records[i].mid_s()))
-      return fail(Kind::inconsistent, "ascents and descents share their mid time, and a time axis must grow", {},
-                  "ask for --leg up, down or all");
   out.takeoff_msl = takeoff_of(profile, metadata);
-  if (auto filled = fill_axis(out, profile); !filled) return fail(filled.error());
+  if (auto filled = fill_axis(out, profile, product); !filled) return fail(filled.error());
   if (!find_place(out, metadata.takeoff))
-    return fail(Kind::missing, "no netCDF without a place: the flight has no latitude and longitude", {},
-                "log the position of the GNSS receiver");
+    return fail(Kind::missing, fmt::format("no {} without a place: the flight has no latitude and longitude", product),
+                {}, "log the position of the GNSS receiver");
   return out;
 }
 

@@ -22,7 +22,9 @@ struct ProfileRecords {
   std::optional<ingest::MslHeight> takeoff_msl;
 };
 
-/// Fails as profile_netcdf does.
-ingest::Result<ProfileRecords> profile_records(const profiles::WindProfile& profile, const NetcdfMetadata& metadata);
+/// @param product  what cannot be made of the profile where this fails, for people: "netCDF"
+/// Fails as profile_netcdf does, but for legs at one mid time, which only an axis of times minds.
+ingest::Result<ProfileRecords> profile_records(const profiles::WindProfile& profile, const NetcdfMetadata& metadata,
+                                               std::string_view product);
 
 }  // namespace quadsonde::product

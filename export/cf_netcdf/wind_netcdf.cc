@@ -118,11 +118,9 @@ class WindFile {
     t.summary =
         "Horizontal wind estimated from the attitude and the motion of a multirotor, one value per filter step.";
     t.processing_level = "wind per filter step";
-    t.comment = fmt::format(
-        "altitude is the height above the sea that the log gives, taken as above the geoid named in crs:geoid_name; "
-        "geoid_height by {}; "
-        "{} of {} filter steps are left out because they have no time, place or height",
-        geoid_.provenance(), series_.points.size() - points_.size(), series_.points.size());
+    t.comment = fmt::format("{}; {} of {} filter steps are left out because they have no time, place or height",
+                            heights_text(source_, geoid_.provenance()), series_.points.size() - points_.size(),
+                            series_.points.size());
     t.from = t.to = *points_.front()->utc;
     for (const auto* p : points_) {
       t.lat.add(p->place->lat_deg), t.lon.add(p->place->lon_deg), t.altitude.add(p->height_msl->m);

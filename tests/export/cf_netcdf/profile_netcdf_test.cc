@@ -188,8 +188,12 @@ TEST(ProfileNetcdf, WhatIsNotKnownIsLeftOut) {
 
 TEST(ProfileNetcdf, WhatTheUserSaysStandsInTheFile) {
   NetcdfMetadata metadata;
-  metadata.station_id = "0-20000-0-15015";
-  metadata.institution = "Example Institute", metadata.license = "CC-BY-4.0", metadata.title = "A title";
+  auto& station = metadata.station;
+  station.wigos_id = "0-20000-0-15015", station.operator_id = "007", station.airframe_id = "QS001";
+  station.institution = "Example Institute", station.license = "CC-BY-4.0", metadata.title = "A title";
+  station.contact_name = "A Person", station.publisher_email = "data@example.org";
+  station.platform_name = "quad-07", station.platform_type = "quadrotor", station.file = "station.toml";
+  metadata.vehicle = "serial 1234";
   metadata.takeoff = ingest::GeoPoint{43.5, 1.5};
   metadata.takeoff_msl = ingest::MslHeight{151};
   const NcReader file(bytes_of(flown(), metadata));
@@ -197,8 +201,47 @@ TEST(ProfileNetcdf, WhatTheUserSaysStandsInTheFile) {
   EXPECT_NE(file.attribute("station_id", "long_name").find("WIGOS"), std::string::npos);
   EXPECT_EQ(file.attribute(nullptr, "institution"), "Example Institute");
   EXPECT_EQ(file.attribute(nullptr, "title"), "A title");
+  EXPECT_EQ(file.attribute(nullptr, "creator_name"), "A Person");
+  EXPECT_EQ(file.attribute(nullptr, "creator_email"), "(none)") << "not said, so not there";
+  EXPECT_EQ(file.attribute(nullptr, "publisher_email"), "data@example.org");
+  EXPECT_EQ(file.attribute(nullptr, "platform"), "quadrotor quad-07") << "before the name in the log";
+  EXPECT_EQ(file.attribute(nullptr, "quadsonde_station_file"), "station.toml");
+  EXPECT_EQ(file.attribute(nullptr, "quadsonde_operator_id"), "007");
   EXPECT_EQ(file.numbers("lat")[0], 43.5);
   EXPECT_EQ(file.numbers("altitude")[0], 166);
+}
+
+TEST(ProfileNetcdf, AStationWithoutAWigosIdentifierGoesByItsName) {
+  NetcdfMetadata metadata;
+  metadata.station.name = "M\xc3\xbcllheim, \"field\"";
+  const NcReader file(bytes_of(flown(), metadata));
+  EXPECT_EQ(file.text("station_id"), metadata.station.name);
+  EXPECT_EQ(file.attribute("station_id", "long_name").find("WIGOS"), std::string::npos);
+}
+
+TEST(ProfileNetcdf, NamesTheVehicleFileAndItsFingerprint) {
+  auto source = support::made_up_source();
+  EXPECT_EQ(NcReader(*profile_netcdf(flown(), source, {})).attribute(nullptr, "quadsonde_vehicle").find("sha256"),
+            std::string::npos);
+  source.vehicle_file = "quad-07.toml", source.vehicle_sha256 = "abcd";
+  EXPECT_NE(NcReader(*profile_netcdf(flown(), source, {}))
+                .attribute(nullptr, "quadsonde_vehicle")
+                .find("\"file\":\"quad-07.toml\",\"sha256\":\"abcd\""),
+            std::string::npos);
+}
+
+TEST(ProfileNetcdf, SaysWhereItsHeightsComeFrom) {
+  auto source = support::made_up_source();
+  const auto comment = [&] {
+    const NcReader file(*profile_netcdf(flown(), source, {}));
+    return file.attribute(nullptr, "comment") + "|" + file.attribute(nullptr, "quadsonde_heights");
+  };
+  EXPECT_NE(comment().find("that the log gives"), std::string::npos);
+  EXPECT_NE(comment().find("|(none)"), std::string::npos);
+  source.made_heights = "height above the ellipsoid (GPS) minus the geoid (EGM96)";
+  EXPECT_EQ(comment().find("that the log gives"), std::string::npos);
+  EXPECT_NE(comment().find("altitude is height above the ellipsoid (GPS)"), std::string::npos);
+  EXPECT_NE(comment().find("|height above the ellipsoid (GPS) minus"), std::string::npos);
 }
 
 TEST(Hdf5Checksum, IsThatOfItsAuthorsOwnExamples) {
