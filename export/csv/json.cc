@@ -7,6 +7,7 @@
 #include "export/csv/rows.h"
 #include "export/csv/tables.h"
 #include "export/version.h"
+#include "profiles/levels.h"
 
 namespace quadsonde::product {
 namespace {
@@ -24,7 +25,9 @@ Json number_of(const std::string& text) {
   return value;
 }
 
-Json row_object(const Row& row, estimator::Reasons reasons) {
+/// A value without an estimate names its own reason first.
+Json row_object(const Row& row, const estimator::MaybeWind& wind, estimator::Reasons reasons) {
+  if (const auto* none = std::get_if<estimator::NoEstimate>(&wind)) reasons.add(none->reason);
   Json object = Json::object();
   for (const auto& field : row)
     object[std::string(field.name)] = field.word && !field.text.empty() ? Json(field.text) : number_of(field.text);
@@ -32,21 +35,23 @@ Json row_object(const Row& row, estimator::Reasons reasons) {
   return object;
 }
 
-Json product_head(const char* schema, const ProductSource& source) {
-  Json object = {{"schema", schema}, {"version", std::string(version())}, {"source", json_source(source)}};
-  object["vehicle"] = json_vehicle(source.vehicle);
+}  // namespace
+
+Json json_head(std::string_view schema, const ProductSource& source) {
+  Json object = {
+      {"schema", std::string(schema)}, {"version", std::string(version())}, {"source", json_source(source)}};
+  object["vehicle"] = json_vehicle_of(source);
   object["settings"] = json_settings(source.settings);
   object["problems"] = json_problems(source.problems);
   return object;
 }
 
-/// A value without an estimate names its own reason first.
-estimator::Reasons all_reasons(const estimator::MaybeWind& wind, estimator::Reasons reasons) {
-  if (const auto* none = std::get_if<estimator::NoEstimate>(&wind)) reasons.add(none->reason);
-  return reasons;
+Json json_row(const estimator::WindPoint& point, estimator::Mode mode) {
+  return row_object(wind_row(point, mode), point.wind, point.reasons);
 }
-
-}  // namespace
+Json json_row(const profiles::Bin& bin, profiles::LegName leg) {
+  return row_object(profile_row(bin, leg), bin.wind, bin.reasons);
+}
 
 Json json_number(std::optional<double> value, int digits) { return number_of(fixed(value, digits)); }
 
@@ -89,6 +94,14 @@ Json json_vehicle(const ingest::Vehicle& v) {
   return object;
 }
 
+Json json_vehicle_of(const ProductSource& source) {
+  auto object = json_vehicle(source.vehicle);
+  if (source.vehicle_file.empty()) return object;
+  object["file"] = source.vehicle_file;
+  object["sha256"] = source.vehicle_sha256;
+  return object;
+}
+
 Json json_settings(const std::vector<NamedSetting>& settings) {
   Json object = Json::object();
   for (const auto& [name, value] : settings)
@@ -104,7 +117,9 @@ Json json_settings(const std::vector<NamedSetting>& settings) {
 }
 
 Json json_source(const ProductSource& source) {
-  return {{"file", source.file}, {"sha256", source.sha256}, {"flight", source.flight}};
+  Json object = {{"file", source.file}, {"sha256", source.sha256}, {"flight", source.flight}};
+  if (!source.made_heights.empty()) object["heights"] = source.made_heights;
+  return object;
 }
 
 Json json_reasons(estimator::Reasons reasons) {
@@ -126,9 +141,6 @@ Json json_diagnostics(const estimator::FlightDiagnostics& d) {
   object["rejected"] = d.rejected;
   object["restarts"] = d.restarts;
   object["jump_test_off"] = d.jump_test_off;
-  object["crosstalk_heading_m_s"] = json_number(d.crosstalk_heading, 4);
-  object["crosstalk_velocity"] = json_number(d.crosstalk_velocity, 4);
-  object["sd_crosstalk_velocity"] = json_number(d.crosstalk_velocity_sd, 4);
   object["climb_linear_s_per_m"] = json_number(d.climb_linear, 4);
   object["sd_climb_linear_s_per_m"] = json_number(d.climb_linear_sd, 4);
   object["climb_estimated"] = d.climb_estimated;
@@ -137,32 +149,123 @@ Json json_diagnostics(const estimator::FlightDiagnostics& d) {
   object["air_density_kg_m3"] = json_number(d.air_density, 4);
   object["standard_density"] = d.standard_density;
   object["log_likelihood"] = json_number(d.log_likelihood, 2);
+  Json checks = Json::array();
+  for (const auto& check : d.self_checks)
+    checks.push_back({{"name", check.name},
+                      {"what", check.sentence},
+                      {"value", json_number(check.value, 4)},
+                      {"sd", json_number(check.sd, 4)},
+                      {"limit", json_number(check.limit, 4)},
+                      {"judged", check.judged},
+                      {"passed", check.judged ? Json(check.passed) : Json()}});
+  object["self_checks"] = checks;
   return object;
 }
 
 std::string json_text(const Json& json) { return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"; }
 
 std::string wind_json(const estimator::WindSeries& series, const ProductSource& source) {
-  Json object = product_head("quadsonde.wind/1", source);
+  Json object = json_head("quadsonde.wind/1", source);
   object["diagnostics"] = json_diagnostics(series.diagnostics);
   Json rows = Json::array();
   for (const auto& point : series.points)
-    rows.push_back(row_object(wind_row(point, series.mode), all_reasons(point.wind, point.reasons)));
+    rows.push_back(json_row(point, series.mode));
   object["rows"] = std::move(rows);
   return json_text(object);
 }
 
+namespace {
+
+Json json_found_legs(const std::vector<profiles::FoundLeg>& legs) {
+  Json list = Json::array();
+  for (const auto& leg : legs)
+    list.push_back({{"kind", std::string(profiles::name(leg.kind))},
+                    {"from_time_s", Json::parse(seconds_text(leg.from))},
+                    {"to_time_s", Json::parse(seconds_text(leg.to))},
+                    {"lowest_m", json_number(leg.lowest, 2)},
+                    {"highest_m", json_number(leg.highest, 2)},
+                    {"climb_m_s", json_number(leg.climb, 3)},
+                    {"speed_m_s", json_number(leg.speed, 3)}});
+  return list;
+}
+
+Json json_uncertain(const profiles::Uncertain& u) {
+  return {{"value", json_number(u.value, 5)}, {"sd", json_number(u.sd, 5)}};
+}
+
+Json json_level(const profiles::LevelWind& level) {
+  const auto report = level.wind ? estimator::to_report(*level.wind) : estimator::WindReport{};
+  const bool known = level.wind && level.wind->has_covariance;
+  return {{"height_m", json_number(level.height, 2)},
+          {"wind_east_m_s", level.wind ? json_number(level.wind->v_NA_N.y(), 4) : Json()},
+          {"wind_north_m_s", level.wind ? json_number(level.wind->v_NA_N.x(), 4) : Json()},
+          {"wind_speed_m_s", level.wind ? json_number(report.speed_m_s, 4) : Json()},
+          {"sd_wind_speed_m_s", known ? json_number(estimator::speed_sd(*level.wind), 4) : Json()},
+          {"wind_from_deg", json_number(report.from_deg, 2)}};
+}
+
+/// What is asked of a profile next; what it cannot tell is null.
+Json json_levels(const profiles::WindProfile& profile) {
+  const auto levels = profiles::describe_levels(profile);
+  Json object = {{"winds", Json::array()}, {"shears", Json::array()}};
+  for (const auto& level : levels.winds) object["winds"].push_back(json_level(level));
+  for (const auto& shear : levels.shears)
+    object["shears"].push_back({{"lower_m", json_number(shear.lower, 2)},
+                                {"upper_m", json_number(shear.upper, 2)},
+                                {"shear_per_s", json_uncertain(shear.shear)},
+                                {"veer_deg", shear.veer ? json_uncertain(*shear.veer) : Json()}});
+  object["power_law"] = levels.power ? Json{{"exponent", json_uncertain(levels.power->exponent)},
+                                            {"speed_10m_m_s", json_uncertain(levels.power->speed_10m)},
+                                            {"bins", levels.power->bins}}
+                                     : Json();
+  object["log_law"] = levels.log ? Json{{"friction_velocity_m_s", json_uncertain(levels.log->friction_velocity)},
+                                        {"log_roughness", json_uncertain(levels.log->log_roughness)},
+                                        {"roughness_m", json_number(levels.log->roughness, 6)},
+                                        {"bins", levels.log->bins}}
+                                 : Json();
+  object["jet"] = levels.jet ? Json{{"height_m", json_number(levels.jet->height, 2)},
+                                    {"speed_m_s", json_uncertain(levels.jet->speed)},
+                                    {"drop_above_m_s", json_number(levels.jet->drop_above, 3)},
+                                    {"probability", json_number(levels.jet->probability, 3)}}
+                             : Json();
+  object["bulk_richardson"] = levels.richardson ? Json{{"lower_m", json_number(levels.richardson->lower, 2)},
+                                                       {"upper_m", json_number(levels.richardson->upper, 2)},
+                                                       {"number", json_uncertain(levels.richardson->number)}}
+                                                : Json();
+  return object;
+}
+
+Json json_optimal(const profiles::OptimalDetails& optimal) {
+  Json kernel = Json::array();
+  for (Eigen::Index i = 0; i < optimal.kernel.rows(); ++i) {
+    Json row = Json::array();
+    for (Eigen::Index j = 0; j < optimal.kernel.cols(); ++j) row.push_back(json_number(optimal.kernel(i, j), 4));
+    kernel.push_back(std::move(row));
+  }
+  Json heights = Json::array();
+  for (const double z : optimal.height) heights.push_back(json_number(z, 2));
+  return {{"degrees_of_freedom", json_number(optimal.degrees_of_freedom, 3)},
+          {"height_m", heights},
+          {"averaging_kernel", kernel}};
+}
+
+}  // namespace
+
 std::string profile_json(const profiles::WindProfile& profile, const ProductSource& source) {
-  Json object = product_head("quadsonde.profile/1", source);
+  Json object = json_head("quadsonde.profile/1", source);
   object["datum"] = std::string(profiles::name(profile.datum));
   if (profile.up_down)
     object["up_down"] = {{"chi2", json_number(profile.up_down->chi2, 4)},
                          {"degrees_of_freedom", profile.up_down->degrees_of_freedom},
                          {"p_value", json_number(profile.up_down->p_value, 6)}};
+  object["method"] = std::string(profiles::name(profile.method));
+  object["legs"] = json_found_legs(profile.found);
+  object["levels"] = json_levels(profile);
+  if (profile.optimal) object["optimal"] = json_optimal(*profile.optimal);
   Json rows = Json::array();
   for (const auto& leg : profile.legs)
     for (const auto& bin : leg.bins)
-      rows.push_back(row_object(profile_row(bin, leg.name), all_reasons(bin.wind, bin.reasons)));
+      rows.push_back(json_row(bin, leg.name));
   object["rows"] = std::move(rows);
   return json_text(object);
 }

@@ -88,7 +88,14 @@ Row profile_row(const profiles::Bin& b, profiles::LegName leg) {
           {"sd_sampling_m_s", fixed(b.sd_sampling, digits::speed)},
           {"sd_calibration_m_s", fixed(b.sd_calibration, digits::speed)},
           {"sd_trim_m_s", fixed(b.sd_trim, digits::speed)},
-          {"spread_from_deg", fixed(b.spread_from_deg, digits::direction)}};
+          {"spread_from_deg", fixed(b.spread_from_deg, digits::direction)},
+          {"sd_noise_m_s", fixed(b.sd_noise, digits::speed)},
+          {"sd_climb_law_m_s", fixed(b.sd_climb_law, digits::speed)},
+          {"resolution_m", fixed(b.resolution_m, digits::metres)},
+          {"freedom", fixed(b.freedom, 3)},
+          {"air_pressure_pa", fixed(b.pressure_pa, 0)},
+          {"air_temperature_k", fixed(b.temperature_k, 2)},
+          {"relative_humidity_pct", fixed(b.relative_humidity_pct, 1)}};
 }
 
 }  // namespace quadsonde::product

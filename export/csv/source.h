@@ -24,6 +24,10 @@ struct ProductSource {
   ingest::Vehicle vehicle;
   std::vector<NamedSetting> settings;
   std::vector<ingest::Problem> problems;  ///< all that were met on the way, of every stage
+  /// How heights above the sea were made where the log has none of its own: by which geoid, from which stream.
+  std::string made_heights{};
+  /// The file that the vehicle was read from: its name without folders, and what it held. Empty for a class prior.
+  std::string vehicle_file{}, vehicle_sha256{};
 };
 
 }  // namespace quadsonde::product

@@ -36,13 +36,18 @@ struct Reference {
   std::vector<Problem> problems;       ///< lines that could not be read
 };
 
+/// Whether these bytes are one of the layouts that read_reference knows, by their header or their first reports.
+bool looks_like_reference(Bytes bytes);
+
 /// A reference by its contents: raw METAR lists (with or without a leading "YYYY-MM-DD HH:MM"), IEM downloads (tab or
 /// comma, `#DEBUG` lines), plain tables (utc,speed_min_m_s,speed_max_m_s,wind_from_deg[,height_agl_m,lat_deg,lon_deg]).
 /// @param near  a METAR's own time has neither year nor month: the ones that bring it closest to this are taken
-/// Kind::not_a_log where it is none of these, Kind::missing where no line has a wind.
+/// A report that stands there twice is kept once. Fails with Kind::not_a_log where it is none of these, Kind::missing
+/// where no line has a wind or, with `near` empty, where reports tell the day of the month only.
 Result<Reference> read_reference(Bytes bytes, const std::string& file_name, std::optional<UtcTime> near);
 
-/// The place for records that name none (--reference-at LAT,LON,HEIGHT).
-void place_records(Reference& reference, GeoPoint place);
+/// Where records that name no place or no height were measured (--reference-at LAT,LON,HEIGHT_M). The 10 m of a METAR
+/// is what stations are meant to have, not what the report says, so this height wins over it.
+void place_records(Reference& reference, GeoPoint place, GroundHeight height);
 
 }  // namespace quadsonde::ingest

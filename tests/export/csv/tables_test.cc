@@ -65,11 +65,12 @@ TEST(ProfileCsv, HasTheColumnsOfTheContractAndKeepsEmptyBins) {
       "sd_wind_east_m_s,sd_wind_north_m_s,wind_speed_m_s,sd_wind_speed_m_s,wind_from_deg,sd_wind_from_deg,sigma_east_m_"
       "s,"
       "sigma_north_m_s,samples,effective_samples,quality,cov_wind_east_north_m2_s2,sd_sampling_m_s,sd_calibration_m_s,"
-      "sd_trim_m_s,spread_from_deg\n"
+      "sd_trim_m_s,spread_from_deg,sd_noise_m_s,sd_climb_law_m_s,resolution_m,freedom,air_pressure_pa,"
+      "air_temperature_k,relative_humidity_pct\n"
       "up,10.00,20.00,15.10,165.10,2025-06-15T15:06:50.000Z,43.5657000,1.4815000,-4.0000,0.0000,0.2000,0.2000,4.0000,0."
       "2000,"
-      "90.00,2.86,0.5000,0.4000,100,8.25,good,0.004000,0.3000,0.1200,0.0500,6.50\n"
-      "up,20.00,30.00,,,,,,,,,,,,,,,,0,,none,,,,,\n");
+      "90.00,2.86,0.5000,0.4000,100,8.25,good,0.004000,0.3000,0.1200,0.0500,6.50,,,,,,,\n"
+      "up,20.00,30.00,,,,,,,,,,,,,,,,0,,none,,,,,,,,,,,,\n");
 }
 
 TEST(ProfileCsv, RunsFromTheGroundUpLegByLeg) {

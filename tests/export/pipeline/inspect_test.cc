@@ -79,6 +79,55 @@ TEST(Inspect, GivesRatesAndGapsOfStreams) {
   EXPECT_EQ(facts.boots[0].streams[0].gaps, 1u);
 }
 
+TEST(Inspect, TellsJitterAndLatencyAndTheAutopilotsOwnWind) {
+  ingest::Flight flight;
+  for (int i = 0; i < 300; ++i) {
+    // Every third interval is 20 ms long, the others 110 and 170 ms: a median of 110, and 60 from it in the median.
+    const ingest::LogTime t{i / 3 * 300'000'000LL + (i % 3 == 1 ? 110'000'000 : i % 3 == 2 ? 280'000'000 : 0)};
+    flight.attitude.push(t, Eigen::Quaterniond::Identity());
+    flight.velocity.push(t, {2, 0, 0});
+    flight.autopilot_wind.push(t, {{-0.6, -1.7}, {}});
+  }
+  flight.attitude.latency = ingest::Latency{0.004, false};
+  flight.velocity.latency = ingest::Latency{0.12, true};
+  LoadedLog log;
+  log.path = "a.ulg";
+  log.content.messages = 900, log.content.salvaged = 7;
+  log.boots = {std::make_shared<const ingest::Flight>(flight)};
+  const auto facts = inspect(log);
+  ASSERT_EQ(facts.boots[0].streams.size(), 3u);
+  EXPECT_NEAR(*facts.boots[0].streams[0].jitter_s, 1.4826 * 0.06, 1e-6);
+  const auto text = info_text(facts);
+  EXPECT_THAT(text, HasSubstr(">0.120"));
+  EXPECT_THAT(text, HasSubstr("0.004"));
+  EXPECT_THAT(text, HasSubstr("1.8 m/s from 71 deg")) << "toward the west-southwest is from the east-northeast";
+  EXPECT_THAT(text, testing::ContainsRegex("messages +900 in"));
+  EXPECT_THAT(text, testing::ContainsRegex("salvaged +7 of them"));
+  const auto json = nlohmann::json::parse(info_json(facts));
+  EXPECT_NEAR(json["boots"][0]["streams"][1]["latency_s"].get<double>(), 0.12, 1e-9);
+  EXPECT_EQ(json["boots"][0]["streams"][1]["latency_is_lower_bound"], true);
+  EXPECT_TRUE(json["boots"][0]["streams"][2]["latency_s"].is_null()) << "unknown is not zero";
+  EXPECT_NEAR(json["boots"][0]["autopilot_wind_east_m_s"].get<double>(), -1.7, 1e-9);
+}
+
+// The map stands in the answer as it can be saved, changed and given back.
+TEST(Inspect, PrintsTheMapOfATableSoThatTheNextOneCanBeWritten) {
+  const support::TemporaryFolder folder;
+  support::write_text(folder / "log.csv", flight_csv(support::flown().flight));
+  const auto first = load_log(folder / "log.csv", {});
+  ASSERT_TRUE(first);
+  const auto text = info_text(inspect(*first));
+  const auto begin = text.find("--columns MAP.toml");
+  ASSERT_NE(begin, std::string::npos);
+  support::write_text(folder / "MAP.toml", text.substr(text.find("\n\n", begin) + 2));
+  InputSettings settings;
+  settings.columns = (folder / "MAP.toml").string();
+  const auto again = load_log(folder / "log.csv", settings);
+  ASSERT_TRUE(again) << ingest::to_string(again.error());
+  EXPECT_EQ(again->boots.at(0)->velocity.value, first->boots.at(0)->velocity.value);
+  EXPECT_EQ(again->boots.at(0)->attitude.time, first->boots.at(0)->attitude.time);
+}
+
 TEST(Inspect, ShowsTheTopicsOfALogWithoutAFlight) {
   LoadedLog log;
   log.path = "other.mcap";

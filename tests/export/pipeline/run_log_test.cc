@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "export/csv/tables.h"
+#include "ingest/flight/rotation.h"
 #include "tests/export/pipeline/flown.h"
 
 namespace quadsonde::product {
@@ -38,12 +39,13 @@ TEST(RunLog, WritesEveryProductOfTheFolder) {
   request.references = {flown.folder / "truth.csv"};
   const auto result = run_log(request);
   ASSERT_TRUE(result) << ingest::to_string(result.error());
-  for (const auto* name : {"flight.mcap", "wind.csv", "profile.csv", "profile.nc", "profile.svg", "report.html",
-                           "compare.json", "run.json"})
+  for (const auto* name : {"flight.mcap", "foxglove_layout.json", "wind.csv", "wind.nc", "wind.svg", "state.svg",
+                           "profile.csv", "profile.nc", "profile.svg", "report.html", "compare.json", "run.json"})
     EXPECT_TRUE(fs::exists(flown.folder / "out/ascent" / name)) << name;
   const auto run = nlohmann::json::parse(read_text(flown.folder / "out/ascent/run.json"));
   EXPECT_EQ(run["source"]["file"], "ascent.csv");
-  EXPECT_EQ(run["files"].size(), 8u);
+  EXPECT_EQ(run["files"].size(), 12u);
+  EXPECT_THAT(read_text(flown.folder / "out/ascent/wind.svg"), HasSubstr("true wind"));
   EXPECT_THAT(read_text(flown.folder / "out/ascent/profile.svg"), HasSubstr("true wind"));
 }
 
@@ -56,11 +58,67 @@ TEST(RunLog, FindsTheWindThatWasThere) {
   write_text(flown.folder / "vehicle.toml", ingest::to_toml(flown.simulation.vehicle));
   const auto result = run_log(request);
   ASSERT_TRUE(result) << ingest::to_string(result.error());
-  const auto& comparison = *result->flights.at(0).answer.comparison;
-  EXPECT_GT(comparison.samples.n, 500u);
-  EXPECT_LT(comparison.samples.rmsve, 0.6)
+  const auto& scores = result->flights.at(0).answer.comparison->references.at(0).whole();
+  EXPECT_GT(scores.n, 500u);
+  EXPECT_LT(scores.rmsve, 0.6)
       << "an 80 s flight with a turning nose; gates with tighter limits fly longer";
-  EXPECT_GT(*comparison.samples.inside95, 0.85);
+  EXPECT_GT(*scores.inside95, 0.85);
+}
+
+/// A square with a turning nose, which shows what is wrong with its telemetry; roll and pitch can be exchanged.
+ingest::Flight square(bool exchanged) {
+  auto flight = support::flown(R"(
+seed = 5
+start_height_m = 20
+[wind]
+speed_m_s = 3
+from_deg = 290
+[[path]]
+kind = "square"
+speed_m_s = 3
+duration_s = 200
+yaw_rate_deg_s = 17
+)").flight;
+  if (exchanged)
+    for (auto& q : flight.attitude.value) {
+      const auto angles = ingest::euler_from_q_NB(q);
+      q = ingest::q_NB_from_euler({angles.pitch, angles.roll, angles.yaw});
+    }
+  return flight;
+}
+
+TEST(RunLog, RatesEveryNumberOfAnInconsistentLogBadAndSaysWhy) {
+  const support::TemporaryFolder folder;
+  write_text(folder / "square.csv", flight_csv(square(true)));
+  RunRequest request;
+  request.log = folder / "square.csv";
+  const auto result = run_log(request);
+  ASSERT_TRUE(result) << ingest::to_string(result.error());
+  const auto& answer = result->flights.at(0).answer;
+  ASSERT_TRUE(answer.check);
+  EXPECT_EQ(answer.check->verdict, ingest::Verdict::inconsistent);
+  EXPECT_TRUE(result->with_doubts());
+  for (const auto& point : answer.series.points)
+    EXPECT_THAT(point.quality, testing::AnyOf(estimator::Quality::bad, estimator::Quality::none));
+  for (const auto& leg : answer.profile->legs)
+    for (const auto& bin : leg.bins)
+      EXPECT_THAT(bin.quality, testing::AnyOf(estimator::Quality::bad, estimator::Quality::none));
+  const bool told = std::any_of(answer.source.problems.begin(), answer.source.problems.end(),
+                                [](const auto& p) { return p.kind == ingest::Kind::inconsistent; });
+  EXPECT_TRUE(told);
+}
+
+TEST(RunLog, BelievesAConsistentLogAndLeavesTheCheckOutOnRequest) {
+  const support::TemporaryFolder folder;
+  write_text(folder / "square.csv", flight_csv(square(false)));
+  RunRequest request;
+  request.log = folder / "square.csv";
+  const auto checked = run_log(request);
+  ASSERT_TRUE(checked) << ingest::to_string(checked.error());
+  ASSERT_TRUE(checked->flights.at(0).answer.check);
+  EXPECT_NE(checked->flights.at(0).answer.check->verdict, ingest::Verdict::inconsistent);
+  request.settings.trust.check = false;
+  EXPECT_FALSE(run_log(request)->flights.at(0).answer.check);
 }
 
 TEST(RunLog, GivesTheSameBytesEveryTime) {

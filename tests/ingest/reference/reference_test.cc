@@ -82,6 +82,48 @@ TEST(Reference, PlainTableOfRangesIsReadAndBadLinesAreNamed) {
   EXPECT_EQ(reference->problems[0].where.line, 3u);
 }
 
+TEST(Reference, AReportThatStandsThereTwiceIsKeptOnce) {
+  const std::string text =
+      "2014-03-01 13:40\tVOHY 011340Z VRB01KT\n2014-03-01 13:40\tVOHY 011340Z VRB01KT\n"
+      "2014-03-01 13:40\tVOBL 011340Z VRB01KT\n2014-03-01 13:40\tVOHY 011340Z COR VRB02KT\n";
+  const auto reference = read_reference(as_bytes(text), "x", std::nullopt);
+  ASSERT_TRUE(reference);
+  EXPECT_EQ(reference->records.size(), 3u) << "two stations, and a correction";
+}
+
+TEST(Reference, TheUsersPlaceAndHeightFillWhatRecordsDoNotName) {
+  auto metar = *read_reference(as_bytes("VOHY 010040Z 13004KT\n"), "x", march);
+  place_records(metar, {17.2, 78.4}, {8});
+  EXPECT_EQ(metar.records[0].place->lat_deg, 17.2);
+  EXPECT_EQ(metar.records[0].height->m, 8) << "ten metres are assumed, not told, by a METAR";
+  auto table = *read_reference(as_bytes("utc,speed_min_m_s,speed_max_m_s,wind_from_deg,height_agl_m,lat_deg,lon_deg\n"
+                                        "2026-06-01T05:00:00Z,2,4,10,50,1,2\n2026-06-01T05:00:00Z,2,4,10,,,\n"),
+                               "t", std::nullopt);
+  place_records(table, {17.2, 78.4}, {8});
+  EXPECT_EQ(table.records[0].height->m, 50);
+  EXPECT_EQ(table.records[0].place->lat_deg, 1);
+  EXPECT_EQ(table.records[1].height->m, 8);
+  EXPECT_EQ(table.records[1].place->lon_deg, 78.4);
+}
+
+TEST(Reference, WithoutAnyWindOrDateSaysSo) {
+  const auto no_wind = read_reference(as_bytes("VOHY 010040Z 9999\nVOHY 010140Z NIL\n"), "x", march);
+  ASSERT_FALSE(no_wind);
+  EXPECT_EQ(no_wind.error().kind, Kind::missing);
+  EXPECT_NE(no_wind.error().what.find("none of its reports has a wind"), std::string::npos);
+  const auto no_date = read_reference(as_bytes("VOHY 010040Z 13004KT\n"), "x", std::nullopt);
+  ASSERT_FALSE(no_date);
+  EXPECT_NE(no_date.error().what.find("day of the month only"), std::string::npos);
+}
+
+TEST(Reference, IsToldApartFromOtherFilesByItsContents) {
+  for (const auto* text : {"METAR VOHY 010040Z 13004KT\n", "2014-03-01 13:40\tVOHY 011340Z VRB01KT\n",
+                           "#DEBUG: x\nstation,valid,drct\n", "utc,speed_min_m_s\n"})
+    EXPECT_TRUE(looks_like_reference(as_bytes(text))) << text;
+  for (const auto* text : {"", "time_s,vn_m_s\n1,2\n", "Dear diary\n", "leg,bin_bottom_m\n"})
+    EXPECT_FALSE(looks_like_reference(as_bytes(text))) << text;
+}
+
 TEST(Reference, AnyOtherTextIsRefusedWithTheNextStep) {
   const auto reference = read_reference(as_bytes("hello\nworld\n"), "x.txt", march);
   ASSERT_FALSE(reference);
