@@ -99,4 +99,31 @@ Scenario trimmed_hover() {
   return s;
 }
 
+Scenario considered_hover() {
+  Scenario s = s2_hover();
+  s.wind.toward = toward(6, 40);
+  s.path[0].duration = 80;
+  return s;
+}
+
+Scenario considered_square() {
+  Scenario s = s4_square(0);
+  s.wind.toward = toward(6, 40);
+  s.path[0].duration = 80;
+  s.path[0].heading = turning(20);
+  return s;
+}
+
+Scenario s5_ascent(double climb_rate, bool pauses) {
+  Scenario s = s3_ascent(climb_rate);
+  for (auto& leg : s.path)
+    if (pauses) leg.pause_every = 30, leg.pause = 20;
+  return s;
+}
+
+Scenario rigid(Scenario s) {
+  s.model = Scenario::Model::rigid_body;
+  return s;
+}
+
 }  // namespace quadsonde::gates

@@ -1,0 +1,97 @@
+// The same flights by the rigid body, which knows more than the estimator's model does. Its drag comes from
+// `calibrate --tunnel` on the same simulator; heading error, trim and the spread between flights are drawn per seed
+// from the sds that the filter is given. What is reached is printed; only the coverage has a limit.
+#include <fmt/format.h>
+
+#include "estimator/calibration/tunnel.h"
+#include "ingest/motion/random.h"
+#include "tests/gates/flying.h"
+#include "tests/gates/scenarios.h"
+
+namespace quadsonde::gates {
+namespace {
+
+using ingest::Vehicle;
+
+/// Five runs in front of a wind generator, one turn of 60 s each, by the rigid body.
+ingest::Result<Vehicle> tunnel_vehicle() {
+  std::vector<estimator::TunnelRun> runs;
+  for (const double speed : {0.0, 2.0, 4.0, 6.0, 8.0}) {
+    auto s = rigid(s2_hover());
+    s.wind.toward = {-speed, 0};
+    s.wind.sigma_u = s.wind.sigma_w = 0;
+    s.path[0].duration = 60;
+    s.path[0].heading.rate_deg_s = 6;
+    s.seed = 100 + static_cast<std::uint64_t>(speed);
+    auto flown = ingest::simulate(s);
+    if (!flown) return ingest::fail(flown.error());
+    estimator::TunnelRun run;
+    run.name = fmt::format("run at {} m/s", speed);
+    run.flight = std::move(flown->flight);
+    run.wind_speed = speed;
+    run.wind_from_deg = 360;
+    run.air_density = 1.19;
+    runs.push_back(std::move(run));
+  }
+  estimator::TunnelSettings settings;
+  settings.mass = rigid(s2_hover()).rigid.mass;
+  auto calibration = estimator::calibrate_tunnel(runs, settings);
+  if (!calibration) return ingest::fail(calibration.error());
+  // In flight: no latency is flown, and tilt noise is white as told to the point mass's filter.
+  auto vehicle = calibration->vehicle;
+  vehicle.latency_s = 0;
+  vehicle.covariance.row(ingest::p_latency).setZero();
+  vehicle.covariance.col(ingest::p_latency).setZero();
+  vehicle.tilt_sd_deg = 0.5;
+  vehicle.tilt_correlation_s = 0;
+  return vehicle;
+}
+
+constexpr double heading_sd_deg = 2;
+/// What a calibrated trim may have moved until the next flight; the filter adds as much (trim_covariance).
+constexpr double trim_move_deg = 0.3;
+
+ingest::Scenario drawn_errors(ingest::Scenario s, int seed) {
+  ingest::Gaussian draw(static_cast<std::uint64_t>(seed) + 5000);
+  s.sensors.heading_error_deg = heading_sd_deg * draw();
+  s.sensors.trim_roll_deg += trim_move_deg * draw();
+  s.sensors.trim_pitch_deg += trim_move_deg * draw();
+  return rigid(std::move(s));
+}
+
+void rigid_gate(const std::string& name, const std::function<ingest::Scenario()>& scenario, const Vehicle& tunnel,
+                int seeds) {
+  const auto m = fly([&](int seed) { return drawn_errors(scenario(), seed); }, seeds, std::nullopt,
+                     [&](int seed, EstimateSettings& settings, Vehicle& v) {
+                       ingest::Gaussian draw(static_cast<std::uint64_t>(seed) + 6000);
+                       const double factor = 1 + tunnel.between_flights_rel_sd * draw();
+                       v = tunnel;
+                       v.drag.linear *= factor;
+                       v.drag.quadratic *= factor;
+                       settings.heading_sd_deg = heading_sd_deg;
+                     });
+  told(name + "RMSE smoothed", m.smoothed.rmse, m.rmse());
+  told(name + "RMSE 10 s", m.smoothed.rmse_10s, m.rmse_10s());
+  told(name + "RMSE causal", m.causal.rmse, m.rmse());
+  if (m.bin_rmse > 0) told(name + "RMSE of leg bins", m.bin_rmse, m.rmse_bin());
+  range(name + "coverage smoothed", m.smoothed.coverage, 0.92, 0.98);
+  range(name + "coverage causal", m.causal.coverage, 0.92, 0.98);
+}
+
+}  // namespace
+
+void rigid_gates(int seeds) {
+  const auto tunnel = tunnel_vehicle();
+  if (!tunnel) {
+    fmt::print("rigid body: no vehicle from the tunnel: {}\n", tunnel.error().what);
+    row("rigid body: vehicle from the tunnel", 0, ">=", 1);
+    return;
+  }
+  fmt::print("rigid body, drag from the tunnel: {:.4f} + {:.4f} |a|\n", tunnel->drag.linear, tunnel->drag.quadratic);
+  rigid_gate("rigid S2 ", [] { return s2_hover(); }, *tunnel, seeds);
+  rigid_gate("rigid S3 1 m/s ", [] { return s3_ascent(1); }, *tunnel, seeds);
+  rigid_gate("rigid S3 5 m/s ", [] { return s3_ascent(5); }, *tunnel, seeds);
+  rigid_gate("rigid S4 ", [] { return s4_square(0); }, *tunnel, seeds);
+}
+
+}  // namespace quadsonde::gates
