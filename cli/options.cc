@@ -42,7 +42,7 @@ auto number_setter(Value& value, double low, double high) {
 
 std::string unit_of(std::string_view name) {
   static constexpr std::pair<std::string_view, std::string_view> units[] = {
-      {"_kg_m3", "kg/m3"}, {"_m_s", "m/s"}, {"_deg_s", "deg/s"}, {"_deg", "deg"},
+      {"_kg_m3", "kg/m3"}, {"_km", "km"}, {"_m_s", "m/s"}, {"_deg_s", "deg/s"}, {"_deg", "deg"},
       {"_kg", "kg"},       {"_msl", "m"},   {"_m", "m"},         {"_s", "s"}};
   for (const auto& [ending, unit] : units)
     if (name.ends_with(ending)) return std::string(unit);

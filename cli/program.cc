@@ -15,10 +15,36 @@ namespace {
 using ingest::Kind;
 using ingest::Problem;
 
+/// "add, list, query": the second words of the verbs that begin with this one.
+std::string actions_of(const std::string& group) {
+  std::string actions;
+  for (const auto& verb : all_verbs())
+    if (const auto name = verb->name(); name.starts_with(group + " "))
+      actions += (actions.empty() ? "" : ", ") + name.substr(group.size() + 1);
+  return actions;
+}
+
+std::string group_overview(const std::string& group) {
+  std::string text;
+  for (const auto& verb : all_verbs())
+    if (verb->name().starts_with(group + " "))
+      text += product::wrapped(fmt::format("quadsonde {} {}", verb->name(), verb->usage()), 79, 4) + "\n" +
+              product::wrapped("    " + verb->summary(), 79, 4) + "\n";
+  return text + fmt::format("\nquadsonde {} ACTION --help tells the settings of an action.\n", group);
+}
+
 std::string overview() {
   std::string text =
       "quadsonde: vertical wind profiles from multirotor flight logs\n\nquadsonde VERB INPUT... -o OUTPUT\n\n";
-  for (const auto& verb : all_verbs()) text += fmt::format("  {:<10} {}\n", verb->name(), verb->summary());
+  std::set<std::string> groups;
+  for (const auto& verb : all_verbs()) {
+    const auto name = verb->name();
+    const auto group = name.substr(0, name.find(' '));
+    if (group == name)
+      text += fmt::format("  {:<10} {}\n", name, verb->summary());
+    else if (groups.insert(group).second)
+      text += fmt::format("  {:<10} {}\n", group, actions_of(group));
+  }
   return text + "\nquadsonde VERB --help tells its settings; quadsonde --version the version.\n";
 }
 
@@ -66,7 +92,8 @@ std::optional<Problem> parse(int argc, char** argv, const Verb& verb, Options& o
     } else {
       auto* added = app.add_option(names, g.values)->expected(1);
       if (g.option->repeats) added->expected(1, CLI::detail::expected_max_vector_size);
-      if (!g.option->repeats) added->multi_option_policy(CLI::MultiOptionPolicy::Throw);
+      // Without this a value's follower, the input itself, would be taken for a second value.
+      if (!g.option->repeats) added->allow_extra_args(false)->multi_option_policy(CLI::MultiOptionPolicy::Throw);
     }
   }
   const auto hint = fmt::format("see `quadsonde {} --help`", verb.name());
@@ -156,14 +183,27 @@ int run_program(int argc, char** argv) {
     console.print(fmt::format("quadsonde {}\n", product::version()));
     return console.flush() ? complete : no_answer;
   }
+  const std::string second = argc > 2 ? argv[2] : "";
   for (const auto& verb : all_verbs()) {
-    if (verb->name() != first) continue;
+    const bool two_words = verb->name() == first + " " + second;
+    if (verb->name() != first && !two_words) continue;
     try {
-      return call_verb(*verb, argc, argv);
+      return two_words ? call_verb(*verb, argc - 1, argv + 1) : call_verb(*verb, argc, argv);
     } catch (const std::exception& error) {
       console.error({Kind::no_answer, error.what(), {}, "this is a fault of quadsonde: please report it with the log"});
       return no_answer;
     }
+  }
+  if (const auto actions = actions_of(first); !actions.empty()) {
+    const bool asked = second == "--help" || second == "-h" || second == "help";
+    if (asked || second.empty()) {
+      console.print(group_overview(first));
+      console.flush();
+      return asked ? complete : wrong_usage;
+    }
+    console.error({Kind::usage, fmt::format("{} has no action \"{}\", but {}", first, second, actions), {},
+                   fmt::format("see `quadsonde {} --help`", first)});
+    return wrong_usage;
   }
   console.error({Kind::usage, fmt::format("there is no verb \"{}\"", first), {}, "see `quadsonde --help`"});
   return wrong_usage;

@@ -58,10 +58,13 @@ std::unique_ptr<Verb> make_run_verb();
 std::unique_ptr<Verb> make_info_verb();
 std::unique_ptr<Verb> make_convert_verb();
 std::unique_ptr<Verb> make_check_verb();
+std::unique_ptr<Verb> make_compare_verb();
 std::unique_ptr<Verb> make_estimate_verb();
 std::unique_ptr<Verb> make_profile_verb();
 std::unique_ptr<Verb> make_simulate_verb();
 std::unique_ptr<Verb> make_calibrate_verb();
+/// Verbs of two words: "archive add", "archive list", ...
+std::vector<std::unique_ptr<Verb>> make_archive_verbs();
 
 /// The program: parses, calls one verb, returns its exit code. No exception leaves it.
 int run_program(int argc, char** argv);

@@ -9,9 +9,11 @@ std::vector<std::unique_ptr<Verb>> all_verbs() {
   verbs.push_back(make_check_verb());
   verbs.push_back(make_estimate_verb());
   verbs.push_back(make_profile_verb());
+  verbs.push_back(make_compare_verb());
   verbs.push_back(make_convert_verb());
   verbs.push_back(make_simulate_verb());
   verbs.push_back(make_calibrate_verb());
+  for (auto& verb : make_archive_verbs()) verbs.push_back(std::move(verb));
   return verbs;
 }
 

@@ -5,6 +5,8 @@
 #include <algorithm>
 
 #include "export/csv/tables.h"
+#include "export/pipeline/merge.h"
+#include "export/pipeline/netcdf.h"
 
 namespace quadsonde::cli {
 
@@ -44,6 +46,38 @@ int give(const Call& call, const std::vector<std::string>& texts) {
   return done ? complete : exit_code(done.error());
 }
 
+namespace {
+
+/// What makes an output impossible, told before anything is computed.
+std::optional<Problem> output_fault(const std::filesystem::path& output, bool tool_names, bool merge,
+                                    const Call& call) {
+  std::error_code error;
+  const auto refuse = [&](const char* what, const char* hint) {
+    return Problem{Kind::usage, what, {output.string(), {}, {}, {}}, hint};
+  };
+  if (tool_names) return std::nullopt;
+  if (std::filesystem::is_directory(output, error))
+    return refuse("this is a folder, not a file",
+                  "name a file in it, or let the tool name a campaign file with --layout uasdc");
+  const auto format = product::format_of(output);
+  if (!format)
+    return refuse("this ending names no format of an answer",
+                  "use .csv, .json, .nc, .mcap, .bufr, .svg, .html, .kml, .geojson or .ascii2nc");
+  if (!call.common.force && std::filesystem::exists(output, error))
+    return refuse("this file is already there", "name another output or allow overwriting with --force");
+  if (call.inputs.size() > 1 && !merge && format != product::Format::json)
+    return refuse("one file of this format holds one log", "give one log, or -o X.json");
+  return std::nullopt;
+}
+
+}  // namespace
+
+bool AnswerVerb::tool_names(const std::filesystem::path& output) const {
+  std::error_code error;
+  return settings.product.layout == "uasdc" &&
+         (std::filesystem::is_directory(output, error) || !output.has_filename() || !output.has_extension());
+}
+
 std::vector<product::FlightRun> AnswerVerb::collect(const Call& call, int& code) {
   std::vector<product::FlightRun> runs;
   bool any = false, failed = false;
@@ -80,12 +114,21 @@ std::vector<product::FlightRun> AnswerVerb::collect(const Call& call, int& code)
 
 int AnswerVerb::write(const Call& call, const std::vector<product::FlightRun>& runs) {
   const auto path = *call.output();
-  const auto format = *product::format_of(path);
   product::Outputs outputs(call.common.force, call.control);
   const auto finish = [&](const ingest::Result<void>& done) {
     if (!done) call.console.error(done.error());
     return done ? complete : exit_code(done.error());
   };
+  if (tool_names(path)) {
+    if (auto made = outputs.make_folder(path); !made) return finish(made);
+    for (const auto& run : runs) {
+      const auto named = product::named_uasdc_of(run.answer);
+      if (!named) return finish(ingest::fail(named.error()));
+      if (auto done = outputs.add(path / named->name, named->bytes); !done) return finish(done);
+    }
+    return finish(outputs.commit());
+  }
+  const auto format = *product::format_of(path);
   if (format == product::Format::json && runs.size() > 1) {
     std::vector<std::string> objects;
     for (const auto& run : runs) objects.push_back(*render(run.answer, format));
@@ -111,32 +154,36 @@ void AnswerVerb::print(const Call& call, const std::vector<product::FlightRun>& 
   for (std::size_t i = 0; i < runs.size(); ++i) call.console.print((i ? "\n" : "") + say(runs[i].answer));
 }
 
+std::optional<product::FlightRun> AnswerVerb::merged(const Call& call,
+                                                     const std::vector<product::FlightRun>& runs) const {
+  std::vector<const product::FlightAnswer*> answers;
+  for (const auto& run : runs) answers.push_back(&run.answer);
+  auto one = product::merge_answers(answers);
+  if (!one) {
+    call.console.error(one.error());
+    return std::nullopt;
+  }
+  call.console.warnings(one->profile->problems);
+  return product::FlightRun{std::move(*one), {}, {}};
+}
+
 int AnswerVerb::run(const Call& call) {
   product::apply_words(settings);
   const auto output = call.output();
-  const auto refuse = [&](const Problem& problem) {
-    call.console.error(problem);
-    return wrong_usage;
-  };
-  if (output && !product::format_of(*output))
-    return refuse({Kind::usage,
-                   "this ending names no format of an answer",
-                   {output->string(), {}, {}, {}},
-                   "use .csv, .json, .nc, .svg or .html"});
-  std::error_code error;
-  if (output && !call.common.force && std::filesystem::exists(*output, error))
-    return refuse({Kind::usage,
-                   "this file is already there",
-                   {output->string(), {}, {}, {}},
-                   "name another output or allow overwriting with --force"});
-  if (output && call.inputs.size() > 1 && product::format_of(*output) != product::Format::json)
-    return refuse({Kind::usage,
-                   "one file of this format holds one log",
-                   {output->string(), {}, {}, {}},
-                   "give one log, or -o X.json"});
+  if (output)
+    if (const auto fault = output_fault(*output, tool_names(*output), merge, call)) {
+      call.console.error(*fault);
+      return wrong_usage;
+    }
   int code = complete;
-  const auto runs = collect(call, code);
+  auto runs = collect(call, code);
   if (runs.empty() || call.control.stopped()) return code;
+  if (merge) {
+    auto one = merged(call, runs);
+    if (!one) return wrong_usage;
+    runs.clear();
+    runs.push_back(std::move(*one));
+  }
   if (output) {
     if (const int written = write(call, runs); written != complete) return written;
     if (!call.common.json) return code;

@@ -29,14 +29,19 @@ struct AnswerVerb {
   product::PipelineSettings settings;
   std::vector<std::string> references;
   bool want_profile = true;
+  bool merge = false;  ///< all flights to one profile
   Render render;  ///< into a file, or JSON onto standard output
   Say say;        ///< for people
 
   int run(const Call& call);
 
  private:
+  /// Whether the output is a folder in which files get the names that the campaign demands.
+  bool tool_names(const std::filesystem::path& output) const;
   std::vector<product::FlightRun> collect(const Call& call, int& code);
   int write(const Call& call, const std::vector<product::FlightRun>& runs);
+  /// The runs as one; null where they cannot be, which is said.
+  std::optional<product::FlightRun> merged(const Call& call, const std::vector<product::FlightRun>& runs) const;
   void print(const Call& call, const std::vector<product::FlightRun>& runs);
 };
 

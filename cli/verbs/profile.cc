@@ -1,19 +1,26 @@
 #include "cli/verbs/answers.h"
+#include "export/pipeline/merge.h"
 #include "export/report/text_answer.h"
 
 namespace quadsonde::cli {
 namespace {
 
 std::string profile_of(const product::FlightAnswer& a) {
-  return product::profile_answer(a.title, *a.profile, a.series.diagnostics, a.source.vehicle);
+  if (a.merged)
+    return product::merged_answer(a.title, *a.profile, product::spread_sentence(a), a.source.vehicle);
+  return product::profile_answer(a.title, *a.profile, a.series.diagnostics, a.source.vehicle, a.autopilot_wind);
 }
 
 class ProfileVerb : public Verb {
  public:
   std::string name() const override { return "profile"; }
-  std::string usage() const override { return "LOG... -o X.csv|.json|.nc|.svg|.html"; }
+  std::string usage() const override { return "LOG... -o X.csv|.json|.nc|.svg|.html|..."; }
   std::string summary() const override { return "the vertical wind profile of a flight"; }
-  void describe(Options& options) override { product::describe(verb_.settings, options); }
+  void describe(Options& options) override {
+    product::describe(verb_.settings, options);
+    product::describe(verb_.settings.product, options);
+    options("merge", verb_.merge, "All flights of all logs to one profile, weighted by their covariances.");
+  }
   int run(const Call& call) override {
     verb_.render = product::render_profile;
     verb_.say = profile_of;

@@ -4,6 +4,9 @@
 
 #include <algorithm>
 
+#include "export/pipeline/check.h"
+#include "export/sha256.h"
+
 namespace quadsonde::product {
 namespace {
 
@@ -90,6 +93,7 @@ ingest::Result<void> add_series(FlightAnswer& answer, const ingest::Vehicle& veh
     return fail(Kind::no_answer, "no instant of this flight has a wind", {},
                 "see `quadsonde info` for what the log lacks");
   answer.series = std::move(*series);
+  answer.autopilot_wind = beside_autopilot(flight, answer.series);
   add_once(answer.source.problems, answer.series.problems);
   if (!classic || settings.estimate.mode == estimator::Mode::classic) return {};
   estimate.mode = estimator::Mode::classic;
@@ -97,15 +101,27 @@ ingest::Result<void> add_series(FlightAnswer& answer, const ingest::Vehicle& veh
   return {};
 }
 
-void add_comparison(FlightAnswer& answer, const ingest::Truth& truth, const std::string& file) {
-  answer.comparison = compare_with_truth(answer.series, answer.classic ? &*answer.classic : nullptr,
-                                         answer.profile ? &*answer.profile : nullptr, truth);
-  answer.comparison->file = std::filesystem::path(file).filename().string();
-  if (answer.comparison->samples.n == 0)
-    add_once(answer.source.problems, {{Kind::missing,
-                                       "the reference has no instant in common with the flight",
-                                       {file, {}, {}, {}},
-                                       "give the truth of this flight, on the same clock"}});
+void add_comparison(FlightAnswer& answer, const std::vector<ReferenceFile>& references,
+                    const ReferenceSettings& settings) {
+  answer.comparison = compare_with({&answer.series, answer.classic ? &*answer.classic : nullptr,
+                                    answer.profile ? &*answer.profile : nullptr},
+                                   references, settings);
+  add_once(answer.source.problems, answer.comparison->problems());
+}
+
+/// A log that contradicts itself gives numbers that nobody should use: they are `bad`, each with that reason. That a
+/// flight cannot show its consistency is no fault of it.
+void add_check(FlightAnswer& answer, const ingest::Vehicle& vehicle, const std::string& file) {
+  auto report = ingest::check_consistency(answer.part.airborne(), ingest::drag_arguments(vehicle));
+  if (!report) return;
+  answer.check = std::move(*report);
+  estimator::Reasons reasons;
+  if (answer.check->verdict == ingest::Verdict::inconsistent) reasons.add(estimator::Reason::inconsistent_telemetry);
+  if (answer.check->verdict == ingest::Verdict::doubtful) reasons.add(estimator::Reason::doubtful_telemetry);
+  if (reasons.empty()) return;
+  estimator::add_to_all(answer.series, reasons);
+  if (answer.classic) estimator::add_to_all(*answer.classic, reasons);
+  add_once(answer.source.problems, {*verdict_problem(*answer.check, file)});
 }
 
 void add_profile(FlightAnswer& answer, const PipelineSettings& settings) {
@@ -143,9 +159,11 @@ ingest::Result<VehicleInUse> choose_vehicle(const DragSettings& settings, const 
   } else if (settings.vehicle != "auto") {
     vehicle = ingest::read_vehicle(settings.vehicle);
     use.from = settings.vehicle;
+    use.sha256 = sha256_of_file(settings.vehicle).value_or("");
   } else if (std::filesystem::exists(beside, error)) {
     vehicle = ingest::read_vehicle(beside);
     use.from = beside.string();
+    use.sha256 = sha256_of_file(beside).value_or("");
   } else {
     use.from = "class prior";
   }
@@ -165,8 +183,17 @@ ingest::Result<VehicleInUse> choose_vehicle(const DragSettings& settings, const 
 ingest::Result<FlightAnswer> analyse(const LoadedLog& log, const FlightPart& part, const VehicleInUse& vehicle,
                                      const PipelineSettings& settings, const Wanted& wanted, const Control& control) {
   if (control.stopped()) return fail(stopped_problem());
-  FlightAnswer answer{part, title_of(log, part), {}, {}, {}, {}, {}, {}};
+  FlightAnswer answer;
+  answer.part = part;
+  answer.title = title_of(log, part);
+  auto station = choose_station(settings.station.station, log.path);
+  if (!station) return fail(station.error());
+  answer.station = std::move(*station);
+  answer.product = settings.product;
   answer.source = {answer.title.file, log.sha256, part.number, vehicle.vehicle, named_settings(settings), {}};
+  answer.source.made_heights = part.made_heights;
+  answer.source.vehicle_sha256 = vehicle.sha256;
+  if (!vehicle.sha256.empty()) answer.source.vehicle_file = std::filesystem::path(vehicle.from).filename().string();
   auto& problems = answer.source.problems;
   add_once(problems, log.content.problems);
   add_once(problems, part.problems);
@@ -176,15 +203,26 @@ ingest::Result<FlightAnswer> analyse(const LoadedLog& log, const FlightPart& par
                          "the log is of a helicopter; only what it flies like a multirotor can be trusted",
                          {log.path.string(), {}, {}, {}},
                          "judge the result by its quality and reasons"}});
+  // Our own simulator has no autopilot; who flies that knows the truth.
+  if (part.boot->vehicle.simulated && !part.boot->vehicle.autopilot.empty())
+    add_once(problems, {{Kind::doubtful,
+                         "the log is of a simulated flight: its wind is the simulator's, no air moved",
+                         {log.path.string(), {}, {}, {}},
+                         "give the log of a real flight"}});
   control.report("estimating the wind", 0.3);
   if (auto done = add_series(answer, vehicle.vehicle, settings, wanted.classic); !done) {
     auto problem = control.stopped() ? stopped_problem() : done.error();
     if (problem.where.file.empty()) problem.where.file = log.path.string();
     return fail(std::move(problem));
   }
+  if (settings.trust.check) {
+    control.report("checking the telemetry", 0.6);
+    add_check(answer, vehicle.vehicle, log.path.string());
+    if (control.stopped()) return fail(stopped_problem());
+  }
   control.report("making the profile", 0.8);
   if (wanted.profile) add_profile(answer, settings);
-  if (wanted.truth) add_comparison(answer, *wanted.truth, wanted.truth_file);
+  if (wanted.references && !wanted.references->empty()) add_comparison(answer, *wanted.references, wanted.reference);
   if (control.stopped()) return fail(stopped_problem());
   return answer;
 }

@@ -7,6 +7,7 @@
 #include <complex>
 #include <numbers>
 
+#include "export/report/autopilot_wind.h"
 #include "ingest/flight/rotation.h"
 #include "ingest/open/open_log.h"
 #include "profiles/legs.h"
@@ -19,21 +20,29 @@ using ingest::Flight;
 // Below: the nose turned too little to tell trim from wind; the motion too little to tell drag from wind.
 constexpr double least_heading_index = 0.4, least_excitation = 1.5;
 
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
 template <class T>
 void add_stream(std::vector<StreamFacts>& all, const char* name, const ingest::Stream<T>& stream) {
   if (stream.empty()) return;
-  StreamFacts facts{name, stream.source, stream.size(), {}, {}, 0};
+  StreamFacts facts;
+  facts.name = name, facts.source = stream.source, facts.samples = stream.size();
+  facts.latency = stream.latency;
   std::vector<double> steps;
   for (std::size_t i = 1; i < stream.size(); ++i)
     steps.push_back(ingest::to_seconds(stream.time[i] - stream.time[i - 1]));
   if (!steps.empty()) {
-    auto sorted = steps;
-    const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-    std::nth_element(sorted.begin(), middle, sorted.end());
-    if (*middle > 0) facts.rate_hz = 1 / *middle;
+    const double middle = median(steps);
+    if (middle > 0) facts.rate_hz = 1 / middle;
     facts.longest_gap_s = *std::max_element(steps.begin(), steps.end());
     facts.gaps = static_cast<std::size_t>(
-        std::count_if(steps.begin(), steps.end(), [&](double s) { return s > 1 && s > 5 * *middle; }));
+        std::count_if(steps.begin(), steps.end(), [&](double s) { return s > 1 && s > 5 * middle; }));
+    for (auto& step : steps) step = std::abs(step - middle);
+    if (steps.size() >= 10) facts.jitter_s = 1.4826 * median(std::move(steps));
   }
   all.push_back(std::move(facts));
 }
@@ -85,6 +94,7 @@ BootFacts boot_facts(const Flight& flight, const std::string& format) {
   if (flight.clock.utc_minus_log) facts.utc_uncertainty_s = flight.clock.uncertainty_s;
   facts.clock_source = flight.clock.source;
   facts.streams = stream_facts(flight);
+  facts.autopilot_wind = mean_autopilot_wind(flight);
   facts.lacking = ingest::why_unusable(flight, format);
   return facts;
 }

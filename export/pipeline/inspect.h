@@ -13,9 +13,11 @@ struct StreamFacts {
   std::string name;    ///< "attitude"
   std::string source;  ///< as the log calls it
   std::size_t samples = 0;
-  std::optional<double> rate_hz;  ///< by the median interval
+  std::optional<double> rate_hz;   ///< by the median interval
+  std::optional<double> jitter_s;  ///< robust sd of the intervals: 1.4826 times the median distance from their median
   std::optional<double> longest_gap_s;
   std::size_t gaps = 0;  ///< intervals above 1 s and above five median ones
+  std::optional<ingest::Latency> latency;
 };
 
 struct BootFacts {
@@ -25,7 +27,8 @@ struct BootFacts {
   std::optional<double> utc_uncertainty_s;  ///< empty while UTC is not known
   std::string clock_source;
   std::vector<StreamFacts> streams;
-  std::optional<ingest::Problem> lacking;  ///< why no wind can come of it
+  std::optional<Eigen::Vector2d> autopilot_wind;  ///< its own, the mean of all it said: v_NA_N [m/s]
+  std::optional<ingest::Problem> lacking;         ///< why no wind can come of it
 };
 
 /// What was flown, as far as the wind and the calibration care. Source: design notes, sections 4, 5 and 8.

@@ -33,17 +33,36 @@ std::string clock_text(const BootFacts& boot) {
                      boot.clock_source.empty() ? "" : " (" + boot.clock_source + ")");
 }
 
+/// "0.012" s; ">0.012" where only a part of it shows in the log.
+std::string latency_text(const std::optional<ingest::Latency>& latency) {
+  return latency ? fmt::format("{}{:.3f}", latency->at_least ? ">" : "", latency->median_s) : "-";
+}
+
 std::string streams_text(const std::vector<StreamFacts>& streams) {
-  std::string text =
-      fmt::format("  {:<18}{:<26}{:>9}{:>10}{:>13}\n", "stream", "in the log as", "samples", "rate, Hz", "longest gap");
+  const auto row = [](const auto&... columns) {
+    return fmt::format("  {:<18}{:<24}{:>8}{:>7}{:>7}{:>7}{:>7}\n", columns...);
+  };
+  const auto number = [](const std::optional<double>& value, int digits) {
+    return value ? fmt::format("{:.{}f}", *value, digits) : std::string("-");
+  };
+  auto text =
+      row("stream", "in the log as", "samples", "rate", "jitter", "gap", "late") + row("", "", "", "Hz", "s", "s", "s");
+  bool partly = false;
   for (const auto& s : streams) {
-    text += fmt::format("  {:<18}{:<26}{:>9}{:>10}{:>13}", s.name,
-                        s.source.size() > 25 ? s.source.substr(0, 22) + "..." : s.source, s.samples,
-                        s.rate_hz ? fmt::format("{:.1f}", *s.rate_hz) : "-",
-                        s.longest_gap_s ? fmt::format("{:.2f} s", *s.longest_gap_s) : "-");
-    text += "\n";
+    text += row(s.name, s.source.size() > 23 ? s.source.substr(0, 20) + "..." : s.source, s.samples,
+                number(s.rate_hz, 1), number(s.jitter_s, 3), number(s.longest_gap_s, 2), latency_text(s.latency));
+    partly = partly || (s.latency && s.latency->at_least);
   }
+  text += wrapped(fmt::format("  jitter: of the intervals; gap: the longest; late: from the measurement to the log's "
+                              "stamp{}.",
+                              partly ? ", > where only a part of it shows" : ""),
+                  79, 2) +
+          "\n";
   return text;
+}
+
+std::string autopilot_wind_text(const Eigen::Vector2d& v_NA_N) {
+  return wind_words({v_NA_N, Eigen::Matrix2d::Zero(), false}) + " on average; kept beside ours";
 }
 
 std::string height_text(const Manoeuvre& m) {
@@ -91,7 +110,10 @@ Json boot_json(const BootFacts& b) {
                        {"samples", s.samples},
                        {"rate_hz", json_number(s.rate_hz, 3)},
                        {"longest_gap_s", json_number(s.longest_gap_s, 3)},
-                       {"gaps", s.gaps}});
+                       {"gaps", s.gaps},
+                       {"jitter_s", json_number(s.jitter_s, 6)},
+                       {"latency_s", s.latency ? json_number(s.latency->median_s, 6) : Json()},
+                       {"latency_is_lower_bound", s.latency ? Json(s.latency->at_least) : Json()}});
   return {{"vehicle", nullable(b.vehicle)},
           {"autopilot", nullable(b.autopilot)},
           {"firmware", nullable(b.firmware)},
@@ -102,6 +124,8 @@ Json boot_json(const BootFacts& b) {
           {"utc_uncertainty_s", json_number(b.utc_uncertainty_s, 6)},
           {"clock_source", nullable(b.clock_source)},
           {"streams", streams},
+          {"autopilot_wind_east_m_s", b.autopilot_wind ? json_number(b.autopilot_wind->y(), 3) : Json()},
+          {"autopilot_wind_north_m_s", b.autopilot_wind ? json_number(b.autopilot_wind->x(), 3) : Json()},
           {"lacking", b.lacking ? json_problem(*b.lacking) : Json()}};
 }
 
@@ -133,16 +157,17 @@ Json flight_json(const FlightFacts& f) {
 }  // namespace
 
 std::string info_text(const LogFacts& facts) {
-  auto text = wrapped(fmt::format("{}: {}, {} messages in {} topics{}", facts.file, facts.format, facts.messages,
-                                  facts.topics.size(),
-                                  facts.salvaged ? fmt::format(", {} of them salvaged", facts.salvaged) : "")) +
-              "\n";
+  auto text = wrapped(fmt::format("{}: {}", facts.file, facts.format)) + "\n";
+  text += line("messages", fmt::format("{} in {} topic{}", facts.messages, facts.topics.size(),
+                                       facts.topics.size() == 1 ? "" : "s"));
+  if (facts.salvaged) text += line("salvaged", fmt::format("{} of them, behind lost structure", facts.salvaged));
   for (const auto& [name, value] : facts.details)
     if (value.find('\n') == std::string::npos) text += line(name.c_str(), value);
   for (std::size_t i = 0; i < facts.boots.size(); ++i) {
     const auto& boot = facts.boots[i];
     text += facts.boots.size() > 1 ? fmt::format("\nBoot {} of the autopilot\n", i + 1) : "\n";
     text += line("vehicle", vehicle_text(boot)) + line("clock", clock_text(boot)) + streams_text(boot.streams);
+    if (boot.autopilot_wind) text += line("autopilot's wind", autopilot_wind_text(*boot.autopilot_wind));
     if (boot.lacking) text += line("no wind", problem_sentence(*boot.lacking));
   }
   for (const auto& flight : facts.flights) text += "\n" + flight_text(flight);
@@ -150,6 +175,9 @@ std::string info_text(const LogFacts& facts) {
     text += "\n" + wrapped("No wind from this log: " + problem_sentence(*facts.nothing)) + "\n";
     if (facts.boots.empty() && !facts.topics.empty()) text += "\n" + topics_text(facts.topics);
   }
+  for (const auto& [name, value] : facts.details)
+    if (name == "map_toml")
+      text += "\nThe map of this table; save it, change it, give it with --columns MAP.toml:\n\n" + value;
   return text;
 }
 

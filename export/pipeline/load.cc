@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "export/geoid/geoid.h"
 #include "export/sha256.h"
 #include "ingest/open/mapped_file.h"
 #include "ingest/open/open_log.h"
@@ -97,8 +98,18 @@ void make_ground_height(Flight& flight, const Stream& whole, const ingest::Segme
       flight.height_ground.push(whole.time[i], ingest::GroundHeight{up(whole.value[i]) - ground});
 }
 
+/// Heights above the sea where the log has none but above the ellipsoid, shifted as the log's own would be.
+/// @return how they were made; empty where they were not
+std::string make_msl_heights(Flight& flight, const Geoid& geoid, double offset_m) {
+  if (!add_msl_heights(flight, geoid)) return {};
+  for (auto& h : flight.height_msl.value) h.m += offset_m;
+  return fmt::format("height above the ellipsoid ({}) minus the geoid ({})", flight.height_ellipsoid.source,
+                     geoid.provenance());
+}
+
 /// The flights of one boot, appended to the log's.
-void add_parts(LoadedLog& log, const std::shared_ptr<const Flight>& boot, const InputSettings& settings) {
+void add_parts(LoadedLog& log, const std::shared_ptr<const Flight>& boot, const std::string& made_heights,
+               const InputSettings& settings) {
   const auto file = log.path.string();
   auto segments = ingest::airborne_segments(*boot);
   std::vector<Problem> problems = boot->problems;
@@ -122,8 +133,33 @@ void add_parts(LoadedLog& log, const std::shared_ptr<const Flight>& boot, const 
     part.takeoff = ingest::takeoff_height(*boot, segments[i]);
     if (!part.takeoff && settings.takeoff_msl_m) part.takeoff = ingest::MslHeight{*settings.takeoff_msl_m};
     part.problems = problems;
+    part.made_heights = made_heights;
     log.parts.push_back(std::move(part));
   }
+}
+
+/// The user's word on when the log begins, where the log has none: it holds for the first boot, since nothing tells
+/// how long the pause before another was.
+ingest::Result<void> apply_start(LoadedLog& log, const std::string& text) {
+  if (text.empty()) return {};
+  const auto start = ingest::parse_iso8601(text);
+  if (!start)
+    return fail(Kind::usage, fmt::format("--start-utc {}: this is no time", text), {},
+                "give a time such as 2026-06-01T06:00:00Z");
+  auto& flights = log.content.flights;
+  for (auto& flight : flights) {
+    const auto span = ingest::time_span(flight);
+    if (!span) continue;
+    if (flight.clock.utc_minus_log)
+      flight.problems.push_back({Kind::doubtful, "the log tells its own time, so --start-utc is not used",
+                                 in(log.path.string()), "leave --start-utc out"});
+    else if (&flight == &flights.front())
+      flight.clock = {ingest::Duration(start->ns - span->first.ns), 1, "--start-utc"};
+    else
+      flight.problems.push_back({Kind::missing, "--start-utc holds for the first start of the autopilot only",
+                                 in(log.path.string()), "give this flight in a log of its own to time it"});
+  }
+  return {};
 }
 
 Problem never_flies(const LoadedLog& log) {
@@ -161,11 +197,14 @@ ingest::Result<LoadedLog> load_log(const std::filesystem::path& path, const Inpu
   log.path = path;
   if (auto read = read_file(log, settings); !read) return fail(read.error());
   if (control.stopped()) return fail(stopped_problem());
+  if (auto started = apply_start(log, settings.start_utc); !started) return fail(started.error());
   log.nothing = ingest::why_no_flight(log.content);
+  const auto geoid = Geoid::open();
   for (auto& flight : log.content.flights) {
     const bool usable = !ingest::why_unusable(flight, log.content.format);
+    const auto made_heights = make_msl_heights(flight, geoid, settings.height_offset_m);
     log.boots.push_back(std::make_shared<const Flight>(std::move(flight)));
-    if (usable) add_parts(log, log.boots.back(), settings);
+    if (usable) add_parts(log, log.boots.back(), made_heights, settings);
   }
   log.content.flights.clear();
   if (!log.nothing && log.parts.empty()) log.nothing = never_flies(log);

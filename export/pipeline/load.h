@@ -20,6 +20,9 @@ struct FlightPart {
   ingest::LogTime share_from, share_to;  ///< its share of the boot: up to half way to its neighbours
   std::optional<ingest::MslHeight> takeoff;
   std::vector<ingest::Problem> problems;  ///< of this boot and of this flight
+  /// How heights above the sea were made, where the log has only such above the ellipsoid: from which stream, by which
+  /// geoid.
+  std::string made_heights;
 
   double duration_s() const { return ingest::to_seconds(segment.to - segment.from); }
   /// Only what was measured in the air. Where the log has heights above the ellipsoid or of the local frame only, and

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include "export/mcap/flight_to_mcap.h"
 
 namespace quadsonde::product {
 namespace {
@@ -79,11 +78,11 @@ ingest::Result<void> Outputs::add(const std::filesystem::path& path, std::string
 }
 
 ingest::Result<void> Outputs::add_flight(const std::filesystem::path& path, const ingest::Flight& flight,
-                                         const ingest::Truth& truth) {
+                                         const ingest::Truth& truth, const FlightProducts& products) {
   auto file = begin(path);
   if (!file) return fail(file.error());
   StoppableSink sink(**file, control_);
-  auto written = write_flight(sink, flight, {}, truth);
+  auto written = write_flight(sink, flight, {}, truth, products);
   if (sink.problem) return fail(*sink.problem);
   return written;
 }

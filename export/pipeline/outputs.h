@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "export/atomic_file.h"
+#include "export/mcap/flight_to_mcap.h"
 #include "export/pipeline/control.h"
 #include "ingest/flight/flight.h"
 #include "ingest/flight/truth.h"
@@ -23,9 +24,9 @@ class Outputs {
   /// Makes a folder and those above it, where they are not there.
   ingest::Result<void> make_folder(const std::filesystem::path& folder);
   ingest::Result<void> add(const std::filesystem::path& path, std::string_view content);
-  /// A flight as MCAP.
+  /// A flight as MCAP, with what was computed from it.
   ingest::Result<void> add_flight(const std::filesystem::path& path, const ingest::Flight& flight,
-                                  const ingest::Truth& truth = {});
+                                  const ingest::Truth& truth = {}, const FlightProducts& products = {});
   ingest::Result<void> commit();
 
  private:

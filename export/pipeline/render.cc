@@ -1,8 +1,12 @@
 #include "export/pipeline/render.h"
 
 #include "export/csv/tables.h"
+#include "export/geojson/geojson.h"
+#include "export/kml/kml.h"
+#include "export/mcap/products_to_mcap.h"
 #include "export/pipeline/netcdf.h"
 #include "export/report/report.h"
+#include "export/report/state_picture.h"
 
 namespace quadsonde::product {
 namespace {
@@ -14,8 +18,14 @@ std::string drag_line(const ingest::Vehicle& vehicle) {
 
 std::string picture_of(const FlightAnswer& answer) {
   ProfilePicture picture{answer.title, drag_line(answer.source.vehicle), {}, "true wind", "profile"};
-  if (answer.comparison) picture.reference = answer.comparison->levels;
+  if (answer.comparison) picture.reference = answer.comparison->levels, picture.marks = answer.comparison->marks;
   return profile_svg(*answer.profile, picture);
+}
+
+std::string series_of(const FlightAnswer& answer) {
+  SeriesPicture picture{answer.title, answer.classic ? &*answer.classic : nullptr, "series", {}, "true wind"};
+  if (answer.comparison) picture.reference = answer.comparison->along;
+  return series_svg(answer.series, picture);
 }
 
 std::string page_of(const FlightAnswer& answer) {
@@ -25,14 +35,32 @@ std::string page_of(const FlightAnswer& answer) {
   report.classic = answer.classic ? &*answer.classic : nullptr;
   report.profile = answer.profile ? &*answer.profile : nullptr;
   report.source = answer.source;
+  report.autopilot = answer.autopilot_wind;
+  report.velocity = &answer.part.boot->velocity;
   if (answer.comparison) {
     report.reference = answer.comparison->levels;
+    report.marks = answer.comparison->marks;
+    report.along = answer.comparison->along;
     report.comparison = comparison_sentences(*answer.comparison);
   }
   return report_html(report);
 }
 
+ingest::Result<std::string> with_file(ingest::Result<std::string> text, const FlightAnswer& answer) {
+  if (!text && text.error().where.file.empty()) text.error().where.file = answer.source.file;
+  return text;
+}
+
 }  // namespace
+
+std::string render_state(const FlightAnswer& answer) {
+  StatePicture picture;
+  picture.title = answer.title;
+  picture.classic = answer.classic ? &*answer.classic : nullptr;
+  picture.velocity = &answer.part.boot->velocity;
+  if (answer.comparison) picture.reference = answer.comparison->along;
+  return state_svg(answer.series, picture);
+}
 
 std::optional<Format> format_of(const std::filesystem::path& path) {
   const auto ending = path.extension();
@@ -41,6 +69,11 @@ std::optional<Format> format_of(const std::filesystem::path& path) {
   if (ending == ".svg") return Format::svg;
   if (ending == ".html") return Format::html;
   if (ending == ".nc") return Format::netcdf;
+  if (ending == ".bufr") return Format::bufr;
+  if (ending == ".geojson") return Format::geojson;
+  if (ending == ".kml") return Format::kml;
+  if (ending == ".ascii2nc") return Format::met_point;
+  if (ending == ".mcap") return Format::mcap;
   return std::nullopt;
 }
 
@@ -51,9 +84,19 @@ ingest::Result<std::string> render_wind(const FlightAnswer& answer, Format forma
     case Format::json:
       return wind_json(answer.series, answer.source);
     case Format::svg:
-      return series_svg(answer.series, {answer.title, answer.classic ? &*answer.classic : nullptr, "series"});
+      return series_of(answer);
     case Format::netcdf:
-      return wind_netcdf_of(answer);
+      return answer.product.layout == "uasdc" ? uasdc_of(answer) : wind_netcdf_of(answer);
+    case Format::bufr:
+    case Format::met_point:
+      return ingest::fail(ingest::Kind::usage, "this format holds profiles, not the wind along a flight", {},
+                          "use `quadsonde profile`, or another ending");
+    case Format::geojson:
+      return with_file(wind_geojson(answer.series, answer.source), answer);
+    case Format::kml:
+      return with_file(wind_kml(answer.series, answer.source, answer.title), answer);
+    case Format::mcap:
+      return wind_mcap(answer.series, answer.source);
     case Format::html:
       break;
   }
@@ -69,7 +112,17 @@ ingest::Result<std::string> render_profile(const FlightAnswer& answer, Format fo
     case Format::svg:
       return picture_of(answer);
     case Format::netcdf:
-      return profile_netcdf_of(answer);
+      return answer.product.layout == "uasdc" ? uasdc_of(answer) : profile_netcdf_of(answer);
+    case Format::bufr:
+      return bufr_of(answer);
+    case Format::met_point:
+      return met_point_of(answer);
+    case Format::geojson:
+      return with_file(profile_geojson(*answer.profile, answer.series, answer.source), answer);
+    case Format::kml:
+      return with_file(profile_kml(*answer.profile, answer.series, answer.source, answer.title), answer);
+    case Format::mcap:
+      return profile_mcap(*answer.profile, answer.source);
     case Format::html:
       break;
   }

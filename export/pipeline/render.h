@@ -8,14 +8,17 @@
 
 namespace quadsonde::product {
 
-enum class Format { csv, json, svg, html, netcdf };
+enum class Format { csv, json, svg, html, netcdf, bufr, geojson, kml, met_point, mcap };
 
 /// By the ending of a name; empty for one that is not written here.
 std::optional<Format> format_of(const std::filesystem::path& path);
 
-/// Only netCDF can fail: without UTC, place or height above the sea.
+/// Can fail are netCDF, without UTC, place or height above the sea; GeoJSON and KML without a place; BUFR and
+/// met_point, which hold profiles only. answer.product tells which netCDF and which BUFR.
 ingest::Result<std::string> render_wind(const FlightAnswer& answer, Format format);
-/// The answer must have a profile, except for html, whose page then shows the wind along the flight only.
+/// SVG of the filters' state along the flight: airspeed and wind, north and east.
+std::string render_state(const FlightAnswer& answer);
+/// As render_wind. The answer must have a profile, except for html, whose page then shows the wind along the flight only.
 ingest::Result<std::string> render_profile(const FlightAnswer& answer, Format format);
 
 }  // namespace quadsonde::product

@@ -6,7 +6,7 @@
 
 #include "export/csv/json.h"
 #include "export/csv/numbers.h"
-#include "export/csv/truth_csv.h"
+#include "export/mcap/foxglove_layout.h"
 #include "export/pipeline/netcdf.h"
 #include "export/pipeline/render.h"
 #include "export/version.h"
@@ -43,6 +43,16 @@ ingest::Result<void> check_free(const std::filesystem::path& folder) {
   return {};
 }
 
+void add_once(std::vector<Problem>& all, const Problem& problem) {
+  for (const auto& known : all)
+    if (ingest::to_string(known) == ingest::to_string(problem)) return;
+  all.push_back(problem);
+}
+
+FlightProducts products_of(const FlightAnswer& answer) {
+  return {&answer.series, answer.profile ? &*answer.profile : nullptr, &answer.source};
+}
+
 ingest::Result<void> write_products(Outputs& outputs, FlightRun& run, const std::filesystem::path& folder) {
   const auto& answer = run.answer;
   const auto write = [&](const char* name, const std::string& content) -> ingest::Result<void> {
@@ -51,15 +61,23 @@ ingest::Result<void> write_products(Outputs& outputs, FlightRun& run, const std:
   };
   if (auto made = outputs.make_folder(folder); !made) return made;
   run.files.push_back("flight.mcap");
-  if (auto done = outputs.add_flight(folder / "flight.mcap", answer.part.whole()); !done) return done;
+  if (auto done = outputs.add_flight(folder / "flight.mcap", answer.part.whole(), {}, products_of(answer)); !done)
+    return done;
+  if (auto done = write("foxglove_layout.json", foxglove_layout(answer.profile ? &*answer.profile : nullptr)); !done)
+    return done;
   if (auto done = write("wind.csv", *render_wind(answer, Format::csv)); !done) return done;
+  // A flight that cannot be a netCDF file (no UTC, no place) has its other products all the same, and they say so.
+  const auto write_netcdf = [&](const char* name, const ingest::Result<std::string>& bytes) -> ingest::Result<void> {
+    if (bytes) return write(name, *bytes);
+    add_once(run.answer.source.problems, bytes.error());
+    return {};
+  };
+  if (auto done = write_netcdf("wind.nc", wind_netcdf_of(answer)); !done) return done;
+  if (auto done = write("wind.svg", *render_wind(answer, Format::svg)); !done) return done;
+  if (auto done = write("state.svg", render_state(answer)); !done) return done;
   if (answer.profile) {
     if (auto done = write("profile.csv", *render_profile(answer, Format::csv)); !done) return done;
-    // A flight that cannot be a netCDF file (no UTC, no place) has its other products all the same, and they say so.
-    if (const auto bytes = profile_netcdf_of(answer); !bytes)
-      run.answer.source.problems.push_back(bytes.error());
-    else if (auto done = write("profile.nc", *bytes); !done)
-      return done;
+    if (auto done = write_netcdf("profile.nc", profile_netcdf_of(answer)); !done) return done;
     if (auto done = write("profile.svg", *render_profile(answer, Format::svg)); !done) return done;
   }
   if (auto done = write("report.html", *render_profile(answer, Format::html)); !done) return done;
@@ -83,20 +101,6 @@ ingest::Result<void> write_folders(RunResult& result, bool overwrite, const Cont
   return {};
 }
 
-/// Truth tables, merged; the only references that are known so far.
-ingest::Result<ingest::Truth> read_references(const std::vector<std::filesystem::path>& files) {
-  ingest::Truth truth;
-  for (const auto& file : files) {
-    auto part = read_truth_csv(file);
-    if (!part) return fail(part.error());
-    truth.insert(truth.end(), part->begin(), part->end());
-  }
-  std::stable_sort(truth.begin(), truth.end(), [](const auto& a, const auto& b) { return a.time < b.time; });
-  truth.erase(std::unique(truth.begin(), truth.end(), [](const auto& a, const auto& b) { return a.time == b.time; }),
-              truth.end());
-  return truth;
-}
-
 }  // namespace
 
 bool RunResult::with_doubts() const {
@@ -110,8 +114,10 @@ std::string flight_folder_name(const std::filesystem::path& log, int flight, int
 }
 
 const std::vector<std::string>& product_names() {
-  static const std::vector<std::string> names{"flight.mcap", "wind.csv",    "profile.csv",  "profile.nc",
-                                              "profile.svg", "report.html", "compare.json", "run.json"};
+  static const std::vector<std::string> names{"flight.mcap",  "foxglove_layout.json", "wind.csv",    "wind.nc",
+                                              "wind.svg",     "state.svg",   "profile.csv",
+                                              "profile.nc",   "profile.svg", "report.html",
+                                              "compare.json", "run.json"};
   return names;
 }
 
@@ -128,8 +134,9 @@ std::string run_json(const FlightAnswer& answer, const std::vector<std::string>&
                       {"takeoff_msl_m", answer.part.takeoff ? json_number(answer.part.takeoff->m, 2) : Json()},
                       {"vehicle", title.vehicle.empty() ? Json() : Json(title.vehicle)},
                       {"autopilot", title.autopilot.empty() ? Json() : Json(title.autopilot)}};
-  object["vehicle"] = json_vehicle(answer.source.vehicle);
+  object["vehicle"] = json_vehicle_of(answer.source);
   object["settings"] = json_settings(answer.source.settings);
+  object["autopilot_wind"] = json_autopilot(answer.autopilot_wind);
   object["diagnostics"] = json_diagnostics(answer.series.diagnostics);
   auto problems = answer.source.problems;
   if (answer.no_profile) problems.push_back(*answer.no_profile);
@@ -142,14 +149,11 @@ ingest::Result<RunResult> run_log(const RunRequest& request, const Control& cont
   Wanted wanted;
   wanted.profile = request.want_profile;
   wanted.classic = request.want_classic;
-  ingest::Truth truth;
-  if (!request.references.empty()) {
-    auto read = read_references(request.references);
-    if (!read) return fail(read.error());
-    truth = std::move(*read);
-    wanted.truth = &truth;
-    wanted.truth_file = request.references.front().string();
-  }
+  auto references = read_reference_files(request.references);
+  if (!references) return fail(references.error());
+  if (const auto place = reference_place(request.reference.reference_at); !place) return fail(place.error());
+  wanted.references = &*references;
+  wanted.reference = request.reference;
   auto vehicle = choose_vehicle(request.settings.drag, request.log);
   if (!vehicle) return fail(vehicle.error());
   auto log = load_log(request.log, request.settings.input, control);

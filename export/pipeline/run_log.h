@@ -13,11 +13,12 @@ namespace quadsonde::product {
 struct RunRequest {
   std::filesystem::path log;
   std::optional<std::filesystem::path> folder;    ///< none: nothing is written
-  std::vector<std::filesystem::path> references;  ///< tables of the true wind
+  std::vector<std::filesystem::path> references;  ///< winds of others, whatever kind each is
   PipelineSettings settings;
   bool want_profile = true, want_classic = true;
   bool all_flights = true;  ///< what an empty choice of a flight means
   bool overwrite = false;
+  ReferenceSettings reference;  ///< how the references are matched
 };
 
 struct FlightRun {

@@ -20,6 +20,7 @@ struct InputSettings {
   std::optional<double> takeoff_msl_m;
   std::string sensor;
   double sensor_offset_s = 0;
+  std::string start_utc;
 };
 template <class Visitor>
 void describe(InputSettings& s, Visitor&& visit) {
@@ -31,6 +32,8 @@ void describe(InputSettings& s, Visitor&& visit) {
         "Height of the take-off point above sea level, where the log shows no take-off and no landing.");
   visit("sensor", s.sensor, "FILE.csv", "Temperature, humidity and pressure of the air that are not in the log.");
   visit("sensor_offset_s", s.sensor_offset_s, -86400.0, 86400.0, "Added to the times of the sensor's record.");
+  visit("start_utc", s.start_utc, "2026-06-01T06:00:00Z",
+        "When the log begins, where it does not tell; the clock of its autopilot counts on from there.");
 }
 
 /// Whose drag the wind rests on.
@@ -66,29 +69,69 @@ void describe(ModeSetting& s, Visitor&& visit) {
   visit("causal", s.causal, "Short for --mode causal.");
 }
 
+/// Whether the telemetry is held against the equations of motion before its wind is believed.
+struct TrustSetting {
+  bool check = true;
+};
+template <class Visitor>
+void describe(TrustSetting& s, Visitor&& visit) {
+  visit("check", s.check, "Hold the telemetry against the equations of motion first, as `quadsonde check` does.");
+}
+
 struct LegSetting {
-  std::string leg = "each", datum = "agl";
+  std::string leg = "each", datum = "agl", method = "bins";
 };
 template <class Visitor>
 void describe(LegSetting& s, Visitor&& visit) {
   visit("leg", s.leg, {"each", "up", "down", "all"}, "Which legs are given; each: up, then down, then all.");
   visit("datum", s.datum, {"agl", "msl"}, "Heights of bins above take-off or above sea level.");
+  visit("method", s.method, {"bins", "optimal"},
+        "Means over bins, or the profile estimated as such with its vertical resolution.");
+}
+
+/// Who observes, for products that are passed on.
+struct StationSetting {
+  std::string station = "auto";
+};
+template <class Visitor>
+void describe(StationSetting& s, Visitor&& visit) {
+  visit("station", s.station, "FILE|auto",
+        "Identifiers, contact and licence for products; auto takes station.toml beside the log, if there is one.");
+}
+
+/// In which of its forms an output is written.
+struct ProductSettings {
+  std::string layout = "cf", bufr = "profiler";
+  bool keep_bad = false;
+};
+template <class Visitor>
+void describe(ProductSettings& s, Visitor&& visit) {
+  visit("layout", s.layout, {"cf", "uasdc"},
+        "netCDF by CF, or as the WMO UAS campaign wants it (-o FOLDER then lets the tool name the file).");
+  visit("bufr", s.bufr, {"profiler", "uasdc", "own"},
+        "BUFR as a wind profile with uncertainties (3 09 021), as the WMO UAS campaign has it, or our own archive form.");
+  visit("keep_bad", s.keep_bad, "Also pass on values of quality bad, which UASDC, BUFR and .ascii2nc leave out.");
 }
 
 struct PipelineSettings {
   InputSettings input;
+  StationSetting station;
   FlightChoice flight;
   DragSettings drag;
+  TrustSetting trust;
   ModeSetting mode;
   estimator::EstimateSettings estimate;
   LegSetting leg;
   profiles::ProfileSettings profile;
+  ProductSettings product;  ///< described by the verbs that write one product, not by describe() below
 };
 template <class Visitor>
 void describe(PipelineSettings& s, Visitor&& visit) {
   describe(s.input, visit);
+  describe(s.station, visit);
   describe(s.flight, visit);
   describe(s.drag, visit);
+  describe(s.trust, visit);
   describe(s.mode, visit);
   describe(s.estimate, visit);
   describe(s.leg, visit);

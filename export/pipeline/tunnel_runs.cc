@@ -106,17 +106,6 @@ ingest::Result<ingest::Flight> stated_part(const TunnelEntry& entry, const Loade
       Kind::no_answer, "no flight of this log can be used", {log.path.string(), {}, {}, {}}, "see `quadsonde info`"}));
 }
 
-ingest::Result<std::optional<ingest::UtcTime>> creation_time(const std::optional<ingest::UtcTime>& newest) {
-  const char* told = std::getenv("SOURCE_DATE_EPOCH");
-  if (!told || !*told) return newest;
-  std::int64_t seconds = 0;
-  const auto [end, error] = std::from_chars(told, told + std::strlen(told), seconds);
-  if (error != std::errc{} || *end || seconds < 0 || seconds > 9'000'000'000)
-    return fail(Kind::usage, fmt::format("SOURCE_DATE_EPOCH is \"{}\", not a number of seconds", told), {},
-                "set it to seconds since 1970, or unset it");
-  return ingest::UtcTime{seconds * 1'000'000'000};
-}
-
 /// What the runs are, and where they came from.
 struct Loaded {
   std::vector<estimator::TunnelRun> runs;
@@ -170,6 +159,17 @@ ingest::Result<void> write(const TunnelRequest& request, TunnelResult& result, c
 }
 
 }  // namespace
+
+ingest::Result<std::optional<ingest::UtcTime>> creation_time(const std::optional<ingest::UtcTime>& newest) {
+  const char* told = std::getenv("SOURCE_DATE_EPOCH");
+  if (!told || !*told) return newest;
+  std::int64_t seconds = 0;
+  const auto [end, error] = std::from_chars(told, told + std::strlen(told), seconds);
+  if (error != std::errc{} || *end || seconds < 0 || seconds > 9'000'000'000)
+    return fail(Kind::usage, fmt::format("SOURCE_DATE_EPOCH is \"{}\", not a number of seconds", told), {},
+                "set it to seconds since 1970, or unset it");
+  return ingest::UtcTime{seconds * 1'000'000'000};
+}
 
 std::string TunnelEntry::title() const {
   const auto name = log.filename().string();

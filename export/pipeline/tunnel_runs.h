@@ -53,4 +53,8 @@ struct TunnelResult {
 /// an output is there already (unless overwrite), cannot be written, or the work is stopped.
 ingest::Result<TunnelResult> run_tunnel(const TunnelRequest& request, const Control& control = {});
 
+/// When a vehicle file is said to be made: SOURCE_DATE_EPOCH if set, else the end of the newest log. Kind::usage for a
+/// SOURCE_DATE_EPOCH that is no number.
+ingest::Result<std::optional<ingest::UtcTime>> creation_time(const std::optional<ingest::UtcTime>& newest);
+
 }  // namespace quadsonde::product

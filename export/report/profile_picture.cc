@@ -100,8 +100,19 @@ Axis speed_axis(const std::vector<DrawnLeg>& legs, const ProfilePicture& picture
     highest = std::max(highest, level.v_NA_N.norm());
     value = std::max(value, level.v_NA_N.norm());
   }
+  for (const auto& mark : picture.marks) {
+    highest = std::max(highest, std::max(mark.high, mark.gust.value_or(0)));
+    value = std::max(value, std::max(mark.high, mark.gust.value_or(0)));
+  }
   // A band as wide as the class prior's must not press the line into a corner.
   return round_axis(0, std::max(1.0, std::min(highest * 1.03, 2.2 * value + 1)), 68, 418, 6);
+}
+
+/// From which to which direction a mark reaches, clockwise; nothing without a direction.
+std::optional<std::pair<double, double>> sides_of(const ReferenceMark& mark) {
+  if (!mark.from_deg) return std::nullopt;
+  if (mark.sector_deg) return mark.sector_deg;
+  return std::pair(*mark.from_deg - mark.from_half_deg, *mark.from_deg + mark.from_half_deg);
 }
 
 Axis direction_axis(const std::vector<DrawnLeg>& legs, const ProfilePicture& picture, double around) {
@@ -114,14 +125,17 @@ Axis direction_axis(const std::vector<DrawnLeg>& legs, const ProfilePicture& pic
     if (d.from) take(*d.from, interval95 * d.from_sd.value_or(0));
   });
   for (const auto& level : picture.reference) take(from_degrees(level.v_NA_N), 0);
+  for (const auto& mark : picture.marks)
+    if (const auto sides = sides_of(mark)) take(sides->first, 0), take(sides->second, 0);
   return angle_axis(low, high, 452, 752, 5);
 }
 
-Axis height_axis(const WindProfile& profile) {
+Axis height_axis(const WindProfile& profile, const ProfilePicture& picture) {
   double low = 1e9, high = -1e9;
   for (const auto& leg : profile.legs)
     for (const auto& bin : leg.bins) low = std::min(low, bin.bottom), high = std::max(high, bin.top);
   if (low > high) low = 0, high = 100;
+  for (const auto& mark : picture.marks) low = std::min(low, mark.height), high = std::max(high, mark.height);
   if (low > 0 && low < 0.35 * high) low = 0;
   auto axis = round_axis(low, high, bottom, top, 8);
   return axis;
@@ -212,6 +226,52 @@ void draw_reference(Markup& svg, const Panel& panel, const ProfilePicture& pictu
   draw_line(svg, line, colour::black, 1.8, "6 4");
 }
 
+constexpr const char* mark_colour = colour::green;
+
+void draw_diamond(Markup& svg, double x, double y) {
+  constexpr double r = 6;
+  svg.empty("path", {{"d", fmt::format("M{0} {1}L{2} {3}L{0} {4}L{5} {3}Z", coordinate(x), coordinate(y - r),
+                                       coordinate(x + r), coordinate(y), coordinate(y + r), coordinate(x - r))},
+                     {"fill", mark_colour},
+                     {"stroke", "#ffffff"},
+                     {"stroke-width", 1}});
+}
+
+/// A bar between two values with a stroke at each end.
+void draw_bar(Markup& svg, double from, double to, double y) {
+  draw_line(svg, {{from, y}, {to, y}}, mark_colour, 2.4);
+  for (const double x : {from, to}) draw_line(svg, {{x, y - 6}, {x, y + 6}}, mark_colour, 2.4);
+}
+
+void draw_gust(Markup& svg, double x, double y) {
+  svg.empty("path", {{"d", fmt::format("M{} {}L{} {}L{} {}Z", coordinate(x - 5), coordinate(y + 4.5), coordinate(x + 5),
+                                       coordinate(y + 4.5), coordinate(x), coordinate(y - 5))},
+                     {"fill", "#ffffff"},
+                     {"stroke", mark_colour},
+                     {"stroke-width", 1.6}});
+}
+
+void draw_speed_mark(Markup& svg, const Panel& panel, const ReferenceMark& mark) {
+  const double y = panel.y.place(mark.height);
+  if (mark.gust) {
+    draw_line(svg, {{panel.x.place(mark.high), y}, {panel.x.place(*mark.gust), y}}, mark_colour, 1.4, "2 3");
+    draw_gust(svg, panel.x.place(*mark.gust), y);
+  }
+  draw_bar(svg, panel.x.place(mark.low), panel.x.place(mark.high), y);
+  draw_diamond(svg, panel.x.place(mark.speed), y);
+}
+
+void draw_direction_mark(Markup& svg, const Panel& panel, const ReferenceMark& mark, double around) {
+  const auto sides = sides_of(mark);
+  if (!sides) return;
+  const double y = panel.y.place(mark.height), from = unwrapped(*mark.from_deg, around);
+  // The sector is read clockwise: its ends lie on both sides of the mean.
+  const double before = std::remainder(*mark.from_deg - sides->first, 360.0);
+  const double after = std::remainder(sides->second - *mark.from_deg, 360.0);
+  draw_bar(svg, panel.x.place(from - std::abs(before)), panel.x.place(from + std::abs(after)), y);
+  draw_diamond(svg, panel.x.place(from), y);
+}
+
 void draw_barbs(Markup& svg, const Panel& panel, const WindProfile& profile, const ProfilePicture& picture) {
   const auto* leg = main_leg(profile);
   if (!leg) return;
@@ -273,6 +333,20 @@ void draw_legend(Markup& svg, const std::vector<DrawnLeg>& legs, const ProfilePi
           draw_line(svg, {{at, y}, {at + 30, y}}, colour::black, 1.8, "6 4");
         },
         30);
+  if (!picture.marks.empty()) {
+    const auto& name = picture.marks.front().name;
+    const bool same = std::all_of(picture.marks.begin(), picture.marks.end(), [&](const auto& m) { return m.name == name; });
+    entry(
+        shortened(same ? name : "reports", 24),
+        [&](double at) {
+          draw_bar(svg, at, at + 30, y);
+          draw_diamond(svg, at + 15, y);
+        },
+        30);
+    if (std::any_of(picture.marks.begin(), picture.marks.end(), [](const auto& m) { return m.gust.has_value(); }))
+      entry(
+          "gust", [&](double at) { draw_gust(svg, at + 6, y); }, 12);
+  }
   bool doubtful = false, bad = false;
   each_dot(legs, [&](const Dot& d) { doubtful |= d.quality == Quality::doubtful, bad |= d.quality == Quality::bad; });
   if (doubtful)
@@ -290,7 +364,7 @@ void draw_legend(Markup& svg, const std::vector<DrawnLeg>& legs, const ProfilePi
 void draw_panels(Markup& svg, const WindProfile& profile, const std::vector<DrawnLeg>& legs,
                  const ProfilePicture& picture) {
   const double around = mean_direction(legs);
-  const auto heights = height_axis(profile);
+  const auto heights = height_axis(profile, picture);
   const Panel speed{speed_axis(legs, picture), heights}, direction{direction_axis(legs, picture, around), heights};
   const char* datum =
       profile.datum == profiles::Datum::agl ? "height above take-off (m)" : "height above mean sea level (m)";
@@ -311,6 +385,7 @@ void draw_panels(Markup& svg, const WindProfile& profile, const std::vector<Draw
           },
           whiskers);
     draw_reference(svg, speed, picture, [](const Eigen::Vector2d& w) { return w.norm(); });
+    for (const auto& mark : picture.marks) draw_speed_mark(svg, speed, mark);
   }
   {
     const auto group = svg.element("g", {{"clip-path", clip_to(picture.id + "-from")}});
@@ -324,6 +399,7 @@ void draw_panels(Markup& svg, const WindProfile& profile, const std::vector<Draw
           whiskers);
     draw_reference(svg, direction, picture,
                    [around](const Eigen::Vector2d& w) { return unwrapped(from_degrees(w), around); });
+    for (const auto& mark : picture.marks) draw_direction_mark(svg, direction, mark, around);
   }
   draw_barbs(svg, speed, profile, picture);
 }

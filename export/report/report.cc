@@ -5,7 +5,9 @@
 #include <cmath>
 
 #include "export/csv/numbers.h"
+#include "export/report/level_words.h"
 #include "export/report/plot.h"
+#include "export/report/state_picture.h"
 #include "export/version.h"
 
 namespace quadsonde::product {
@@ -143,6 +145,9 @@ std::vector<std::string> diagnostic_sentences(const estimator::FlightDiagnostics
       "Mean normalised innovation {:.2f} (2 when the noise is as assumed), {} samples rejected, {} jumps, {} restarts.",
       d.nis_mean, d.rejected, d.jumps, d.restarts));
   if (d.jump_test_off) all.push_back("Too many jumps for wind: the jump test was switched off for this flight.");
+  for (const auto& check : d.self_checks)
+    if (!check.sentence.empty() && (!check.passed || check.name != "nis_mean"))  // that one is said above already
+      all.push_back(check.sentence + (check.judged && !check.passed ? ": too much, so every value is doubtful." : "."));
   if (d.climb_estimated)
     all.push_back(fmt::format("Ascent and descent together fix the climb law: {:.3f} \u00b1 {:.3f} s/m.",
                               d.climb_linear, d.climb_linear_sd));
@@ -191,16 +196,29 @@ void body(Markup& html, const Report& report) {
   answer_section(html, report);
   if (report.profile) {
     html.leaf("h2", "Profile");
-    html.trusted(profile_svg(*report.profile, {report.title, "", report.reference, "true wind", "profile"}));
+    html.trusted(profile_svg(*report.profile, {report.title, "", report.reference, "true wind", "profile", report.marks}));
+  }
+  if (report.profile) {
+    const auto levels = level_sentences(*report.profile);
+    if (!levels.empty()) html.leaf("h2", "At heights that are asked for");
+    list(html, levels);
   }
   if (!report.comparison.empty()) {
     html.leaf("h2", "Against the reference");
     list(html, report.comparison);
   }
   html.leaf("h2", "Along the flight");
-  html.trusted(series_svg(*report.series, {report.title, report.classic, "series"}));
+  html.trusted(series_svg(*report.series, {report.title, report.classic, "series", report.along, "true wind"}));
+  html.trusted(
+      state_svg(*report.series, {report.title, report.classic, report.velocity, report.along, "true wind", "state"}));
   html.leaf("h2", "What the flight says about itself");
   list(html, diagnostic_sentences(report.series->diagnostics));
+  if (report.profile && !report.profile->found.empty()) {
+    std::string legs;
+    for (const auto& leg : leg_sentences(*report.profile)) legs += (legs.empty() ? "" : "; ") + leg;
+    paragraph(html, "The flight: " + legs + ".");
+  }
+  if (report.autopilot) paragraph(html, autopilot_sentence(*report.autopilot));
   if (report.profile) {
     const auto reasons = reason_sentences(*report.profile);
     if (!reasons.empty()) html.leaf("h2", "What the quality rests on");

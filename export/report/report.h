@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "export/csv/source.h"
+#include "export/report/autopilot_wind.h"
 #include "export/report/profile_picture.h"
 #include "export/report/series_picture.h"
 
@@ -16,6 +17,10 @@ struct Report {
   const profiles::WindProfile* profile = nullptr;  ///< none: the page shows the wind along the flight only
   ProductSource source;
   std::vector<ReferenceLevel> reference;
+  std::vector<ReferenceMark> marks;                           ///< reports of stations
+  std::vector<ReferencePoint> along;                          ///< the reference over the time of the flight
+  const ingest::Stream<Eigen::Vector3d>* velocity = nullptr;  ///< v_NB_N as measured [m/s]
+  std::optional<AutopilotComparison> autopilot;
   std::vector<std::string> comparison;  ///< sentences on how the answer compares with a reference
 };
 

@@ -1,200 +1,121 @@
 #include "export/report/series_picture.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "export/report/plot.h"
+#include "export/report/series_curves.h"
 
 namespace quadsonde::product {
 namespace {
 
 using estimator::WindEstimate;
+using estimator::WindPoint;
 using estimator::WindSeries;
 
-constexpr double width = 900, height = 560, left = 68, right = 868;
-constexpr std::size_t most_points = 1200;
+constexpr double picture_height = 560;
+/// A reference has no uncertainty of its own here; below this its direction means nothing [m/s].
+constexpr double calm = 0.5;
 
-struct Instant {
-  double minutes = 0;
-  std::optional<double> height;
-  double speed = 0, speed_sd = 0;
-  std::optional<double> from, from_sd;
-  Eigen::Vector2d toward = Eigen::Vector2d::Zero();
+struct Curves {
+  TimeCurve height;
+  TimeCurve speed, from;
+  TimeCurve classic_speed, classic_from;
+  TimeCurve true_speed, true_from;
 };
-using Run = std::vector<Instant>;
 
-std::optional<double> any_height(const estimator::WindPoint& p) {
-  if (p.height_agl) return p.height_agl->m;
-  if (p.height_msl) return p.height_msl->m;
+std::optional<TimeValue> height_of(const WindPoint& p, const WindEstimate&) {
+  if (p.height_agl) return TimeValue{0, p.height_agl->m, 0};
+  if (p.height_msl) return TimeValue{0, p.height_msl->m, 0};
   return std::nullopt;
 }
 
-/// Every stride-th point with a wind, broken where there is none.
-std::vector<Run> runs_of(const WindSeries& series, ingest::LogTime start) {
-  std::vector<Run> runs;
-  const std::size_t stride = std::max<std::size_t>(1, series.points.size() / most_points);
-  bool open = false;
-  for (std::size_t i = 0; i < series.points.size(); i += stride) {
-    const auto& point = series.points[i];
-    const auto* wind = std::get_if<WindEstimate>(&point.wind);
-    if (wind) {
-      if (!open) runs.emplace_back();
-      const auto report = estimator::to_report(*wind);
-      runs.back().push_back({ingest::to_seconds(point.time - start) / 60, any_height(point), report.speed_m_s,
-                             wind->has_covariance ? estimator::speed_sd(*wind) : 0, report.from_deg,
-                             wind->has_covariance ? estimator::direction_sd_deg(*wind) : std::nullopt, wind->v_NA_N});
-    }
-    open = wind != nullptr;
-  }
-  return runs;
+std::optional<TimeValue> speed_of(const WindPoint&, const WindEstimate& wind) {
+  return TimeValue{0, estimator::to_report(wind).speed_m_s, wind.has_covariance ? 1.96 * estimator::speed_sd(wind) : 0};
 }
 
-template <class Visit>
-void each(const std::vector<Run>& runs, Visit&& visit) {
-  for (const auto& run : runs)
-    for (const auto& instant : run) visit(instant);
-}
-
-struct Reading {
-  double value = 0, half = 0;
-};
-using Read = std::function<std::optional<Reading>(const Instant&)>;
-
-void draw_curve(Markup& svg, const Panel& panel, const std::vector<Run>& runs, const Read& read, const char* stroke,
-                bool band, const char* dashes = "") {
-  const auto flush = [&](std::vector<std::pair<Instant, Reading>>& part) {
-    std::vector<std::pair<double, double>> line, outline;
-    for (const auto& [instant, r] : part) {
-      line.emplace_back(panel.x.place(instant.minutes), panel.y.place(r.value));
-      outline.emplace_back(line.back().first, panel.y.place(r.value + r.half));
-    }
-    for (auto it = part.rbegin(); it != part.rend(); ++it)
-      outline.emplace_back(panel.x.place(it->first.minutes),
-                           panel.y.place(std::max(panel.y.low, it->second.value - it->second.half)));
-    if (band) draw_area(svg, outline, stroke, 0.17);
-    draw_line(svg, line, stroke, dashes[0] ? 1.3 : 1.6, dashes);
-    part.clear();
-  };
-  for (const auto& run : runs) {
-    std::vector<std::pair<Instant, Reading>> part;
-    for (const auto& instant : run) {
-      const auto reading = read(instant);
-      // A curve that leaves the paper on one side and comes back on the other is two curves.
-      const bool jumps = reading && !part.empty() && std::abs(reading->value - part.back().second.value) > 180;
-      if (!reading || jumps) flush(part);
-      if (reading) part.emplace_back(instant, *reading);
-    }
-    flush(part);
-  }
-}
-
-std::optional<Reading> speed_of(const Instant& i) { return Reading{i.speed, 1.96 * i.speed_sd}; }
-
-Read direction_around(double around) {
-  return [around](const Instant& i) -> std::optional<Reading> {
-    if (!i.from) return std::nullopt;
-    return Reading{unwrapped(*i.from, around), 1.96 * i.from_sd.value_or(0)};
+ReadWind direction_around(double around) {
+  return [around](const WindPoint&, const WindEstimate& wind) -> std::optional<TimeValue> {
+    const auto from = estimator::to_report(wind).from_deg;
+    if (!from) return std::nullopt;
+    const auto sd = wind.has_covariance ? estimator::direction_sd_deg(wind) : std::nullopt;
+    return TimeValue{0, unwrapped(*from, around), 1.96 * sd.value_or(0)};
   };
 }
 
-std::optional<Reading> height_of(const Instant& i) {
-  if (!i.height) return std::nullopt;
-  return Reading{*i.height, 0};
+double from_degrees(const Eigen::Vector2d& toward) {
+  return std::atan2(-toward.y(), -toward.x()) * 180 / std::numbers::pi;
 }
 
-/// Lowest and highest value, with bands up to a limit.
-Axis value_axis(const std::vector<Run>& runs, const Read& read, double from, double to, double band_limit,
-                bool angles) {
-  double low = 1e9, high = -1e9;
-  each(runs, [&](const Instant& i) {
-    if (const auto r = read(i)) {
-      const double half = std::min(r->half, band_limit);
-      low = std::min(low, r->value - half), high = std::max(high, r->value + half);
-    }
-  });
-  if (low > high) low = 0, high = 1;
-  if (!angles) return round_axis(std::min(0.0, std::max(low, 0.0)), std::max(high, 1.0), from, to, 4);
-  return angle_axis(std::min(low, high - 40), high, from, to, 4);
-}
-
-double mean_direction(const std::vector<Run>& runs) {
+double mean_direction(const WindSeries& series) {
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
-  each(runs, [&](const Instant& i) { sum += i.toward; });
-  return sum.norm() > 0 ? std::atan2(-sum.y(), -sum.x()) * 180 / std::numbers::pi : 180;
+  for (const auto& point : series.points)
+    if (const auto* wind = std::get_if<WindEstimate>(&point.wind)) sum += wind->v_NA_N;
+  return sum.norm() > 0 ? from_degrees(sum) : 180;
 }
 
-void draw_frame_of(Markup& svg, const Panel& p, std::string_view y_title,
-                   const std::function<std::string(double)>& y_label, bool x_labels) {
-  for (const double tick : p.x.ticks()) {
-    if (tick > p.x.high) continue;
-    const double x = p.x.place(tick);
-    svg.empty("line", {{"x1", x}, {"x2", x}, {"y1", p.top()}, {"y2", p.bottom()}, {"stroke", colour::rule}});
-    if (x_labels) draw_text(svg, x, p.bottom() + 16, p.x.label(tick), 11, colour::grey, "middle");
+Curves curves_of(const WindSeries& series, const SeriesPicture& picture) {
+  const auto [start, end] = span_of(series);
+  const double around = mean_direction(series);
+  Curves c{curve_of(series, start, height_of),
+           curve_of(series, start, speed_of),
+           curve_of(series, start, direction_around(around)),
+           {},
+           {},
+           {},
+           {}};
+  if (picture.classic) {
+    c.classic_speed = curve_of(*picture.classic, start, speed_of);
+    c.classic_from = curve_of(*picture.classic, start, direction_around(around));
   }
-  for (const double tick : p.y.ticks()) {
-    const double y = p.y.place(tick);
-    svg.empty("line", {{"x1", p.left()}, {"x2", p.right()}, {"y1", y}, {"y2", y}, {"stroke", colour::rule}});
-    draw_text(svg, p.left() - 8, y + 4, y_label(tick), 11, colour::grey, "end");
-  }
-  svg.empty("rect", {{"x", p.left()},
-                     {"y", p.top()},
-                     {"width", p.right() - p.left()},
-                     {"height", p.bottom() - p.top()},
-                     {"fill", "none"},
-                     {"stroke", "#9aa3ad"}});
-  draw_text(svg, p.left(), p.top() - 7, y_title, 12);
+  c.true_speed = curve_of(picture.reference, start, end, [](const Eigen::Vector2d& w) { return w.norm(); });
+  c.true_from = curve_of(picture.reference, start, end, [around](const Eigen::Vector2d& w) -> std::optional<double> {
+    if (w.norm() < calm) return std::nullopt;
+    return unwrapped(from_degrees(w), around);
+  });
+  return c;
 }
 
-struct Curves {
-  std::vector<Run> ours, classic;
-  double around = 180;
-};
-
-void draw_panels(Markup& svg, const Curves& curves, const std::string& id, bool agl) {
-  double last = 0.1;
-  each(curves.ours, [&](const Instant& i) { last = std::max(last, i.minutes); });
-  auto minutes = round_axis(0, last, left, right, 10);
-  minutes.high = last;
-  const auto direction = direction_around(curves.around);
-  const Panel heights{minutes, value_axis(curves.ours, height_of, 172, 86, 0, false)};
-  const Panel speeds{minutes, value_axis(curves.ours, speed_of, 338, 204, 3, false)};
-  const Panel directions{minutes, value_axis(curves.ours, direction, 504, 370, 25, true)};
-  draw_frame_of(
-      svg, heights, agl ? "height above take-off (m)" : "height (m)", [&](double t) { return heights.y.label(t); },
-      false);
-  draw_frame_of(
-      svg, speeds, "wind speed (m/s)", [&](double t) { return speeds.y.label(t); }, false);
-  draw_frame_of(svg, directions, "wind from (degrees, true north)", direction_label, true);
-  draw_text(svg, (left + right) / 2, 540, "minutes after the start", 12, colour::black, "middle");
-  const auto clipped = [&](const Panel& panel, const char* name, auto&& draw) {
-    define_clip(svg, panel, id + name);
-    const auto group = svg.element("g", {{"clip-path", clip_to(id + name)}});
-    draw();
-  };
-  clipped(heights, "-height", [&] { draw_curve(svg, heights, curves.ours, height_of, colour::grey, false); });
-  clipped(speeds, "-speed", [&] {
-    draw_curve(svg, speeds, curves.classic, speed_of, colour::vermilion, false, "5 3");
-    draw_curve(svg, speeds, curves.ours, speed_of, colour::blue, true);
-  });
-  clipped(directions, "-from", [&] {
-    draw_curve(svg, directions, curves.classic, direction, colour::vermilion, false, "5 3");
-    draw_curve(svg, directions, curves.ours, direction, colour::blue, true);
-  });
+Axis speed_axis(const Curves& c, double from, double to) {
+  const auto ours = value_range({&c.speed, &c.classic_speed, &c.true_speed}, 3);
+  return round_axis(0, ours ? std::max(ours->second, 1.0) : 1, from, to, 4);
 }
 
-void draw_legend(Markup& svg, bool classic, estimator::Mode mode) {
-  const double y = 60;
-  svg.empty(
-      "rect",
-      {{"x", left}, {"y", y - 10}, {"width", 30}, {"height", 12}, {"fill", colour::blue}, {"fill-opacity", 0.17}});
-  draw_line(svg, {{left, y - 4}, {left + 30, y - 4}}, colour::blue, 2);
-  draw_text(svg, left + 37, y, fmt::format("wind ({}) with 95 % interval", estimator::name(mode)), 12);
-  if (!classic) return;
-  draw_line(svg, {{left + 290, y - 4}, {left + 320, y - 4}}, colour::vermilion, 1.5, "5 3");
-  draw_text(svg, left + 327, y, "classic filter", 12);
+Axis height_axis(const Curves& c, bool agl, double from, double to) {
+  const auto range = value_range({&c.height}, 0).value_or(std::pair(0.0, 1.0));
+  // Above take-off the ground is worth its place; above the sea it may be far below.
+  const double low = agl ? (range.first > -2 ? 0 : range.first) : std::min(range.first, range.second - 4);
+  return round_axis(low, std::max(range.second, low + 1), from, to, 4);
+}
+
+/// Around what is shown, ours first: a filter that turns about a calm must not press the rest together.
+Axis direction_axis(const Curves& c, double from, double to) {
+  auto range = value_range({&c.from, &c.true_from}, 25);
+  if (!range) range = value_range({&c.classic_from}, 25).value_or(std::pair(160.0, 200.0));
+  const double spare = std::max(0.0, 20 - (range->second - range->first) / 2);
+  return angle_axis(range->first - spare, range->second + spare, from, to, 4);
+}
+
+void draw_panels(Markup& svg, const Curves& c, double last, const SeriesPicture& picture, const Pen& ours, bool agl) {
+  const TimeAxis time(last);
+  const auto heights = height_axis(c, agl, 172, 86), speeds = speed_axis(c, 338, 204);
+  const auto directions = direction_axis(c, 504, 370);
+  const auto number = [](const Axis& axis) { return [&axis](double t) { return axis.label(t); }; };
+  draw_time_frame(svg, time, heights, agl ? "height above take-off (m)" : "height above mean sea level (m)",
+                  number(heights), false);
+  draw_time_frame(svg, time, speeds, "wind speed (m/s)", number(speeds), false);
+  draw_time_frame(svg, time, directions, "wind from (degrees, true north)", direction_label, true);
+  const auto clip = [&](const char* name) { return picture.id + name; };
+  define_time_clip(svg, heights, clip("-height"));
+  define_time_clip(svg, speeds, clip("-speed"));
+  define_time_clip(svg, directions, clip("-from"));
+  draw_time_curve(svg, time, heights, c.height, {colour::grey, 1.6, "", false}, clip("-height"));
+  draw_time_curve(svg, time, speeds, c.classic_speed, pens::classic, clip("-speed"));
+  draw_time_curve(svg, time, speeds, c.speed, ours, clip("-speed"));
+  draw_time_curve(svg, time, speeds, c.true_speed, pens::reference, clip("-speed"));
+  draw_time_curve(svg, time, directions, c.classic_from, pens::classic, clip("-from"), 180);
+  draw_time_curve(svg, time, directions, c.from, ours, clip("-from"), 180);
+  draw_time_curve(svg, time, directions, c.true_from, pens::reference, clip("-from"), 180);
 }
 
 }  // namespace
@@ -202,23 +123,16 @@ void draw_legend(Markup& svg, bool classic, estimator::Mode mode) {
 std::string series_svg(const WindSeries& series, const SeriesPicture& picture) {
   Markup svg;
   {
-    const auto root = svg.element("svg", {{"xmlns", "http://www.w3.org/2000/svg"},
-                                          {"viewBox", fmt::format("0 0 {} {}", width, height)},
-                                          {"width", width},
-                                          {"height", height},
-                                          {"role", "img"},
-                                          {"font-family", font_family}});
-    svg.leaf("title", "Wind along the flight of " + title_text(picture.title));
-    svg.empty("rect", {{"width", width}, {"height", height}, {"fill", "#ffffff"}});
-    draw_text(svg, 24, 34, "Wind along the flight", 19, colour::black, "start", true);
-    draw_text(svg, 256, 34, shortened(title_text(picture.title), 60), 14, colour::grey);
-    const auto start = series.points.empty() ? ingest::LogTime{} : series.points.front().time;
-    Curves curves{runs_of(series, start), picture.classic ? runs_of(*picture.classic, start) : std::vector<Run>{}, 180};
-    curves.around = mean_direction(curves.ours);
+    const auto root = open_time_picture(svg, picture_height, "Wind along the flight", picture.title);
+    const auto [start, end] = span_of(series);
+    const auto curves = curves_of(series, picture);
     const bool agl =
         std::any_of(series.points.begin(), series.points.end(), [](const auto& p) { return p.height_agl.has_value(); });
-    draw_legend(svg, !curves.classic.empty(), series.mode);
-    draw_panels(svg, curves, picture.id, agl);
+    auto legend = std::vector{legend_of_ours(series)};
+    if (!curves.classic_speed.empty()) legend.emplace_back("classic filter", pens::classic);
+    if (!curves.true_speed.empty()) legend.emplace_back(picture.reference_name, pens::reference);
+    draw_pen_legend(svg, time_plot_left, 60, legend);
+    draw_panels(svg, curves, ingest::to_seconds(end - start), picture, legend.front().second, agl);
   }
   return svg.str();
 }

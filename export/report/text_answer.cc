@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "export/report/level_words.h"
+
 namespace quadsonde::product {
 namespace {
 
@@ -60,8 +62,25 @@ std::string reasons_text(const profiles::WindProfile& profile) {
   return text.empty() ? text : "What the quality rests on:\n" + text;
 }
 
-std::string closing(const estimator::FlightDiagnostics& diagnostics, const ingest::Vehicle& vehicle) {
-  auto text = wrapped(vehicle_sentence(vehicle)) + "\n";
+/// The first few lines of what is asked next; JSON and report have all of it.
+std::string levels_text(const profiles::WindProfile& profile) {
+  std::string text;
+  for (const auto& sentence : level_sentences(profile)) text += wrapped("- " + sentence, 79, 2) + "\n";
+  return text.empty() ? text : "At heights that are asked for:\n" + text;
+}
+
+/// Tests of the estimate against itself that failed; passed ones are no news.
+std::string failed_checks(const estimator::FlightDiagnostics& diagnostics) {
+  std::string text;
+  for (const auto& check : diagnostics.self_checks)
+    if (check.judged && !check.passed) text += wrapped("- " + check.sentence, 79, 2) + "\n";
+  return text.empty() ? text : "What the estimate says against itself:\n" + text;
+}
+
+std::string closing(const estimator::FlightDiagnostics& diagnostics, const ingest::Vehicle& vehicle,
+                    const std::optional<AutopilotComparison>& autopilot) {
+  auto text = failed_checks(diagnostics) + wrapped(vehicle_sentence(vehicle)) + "\n";
+  if (autopilot) text += wrapped(autopilot_sentence(*autopilot)) + "\n";
   const auto better = advice(diagnostics, vehicle);
   if (better.empty()) return text;
   text += "What would make it better:\n";
@@ -80,7 +99,8 @@ struct Part {
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
   double low = 1e9, high = -1e9;
-  std::size_t count = 0, rows = 0, doubtful = 0;
+  std::size_t count = 0, rows = 0;
+  std::size_t of_quality[4] = {};
   bool has_covariance = true;
 };
 
@@ -98,10 +118,18 @@ Part collect(const std::vector<estimator::WindPoint>& points, std::size_t from, 
     part.sum += wind->v_NA_N;
     part.covariance += wind->covariance;
     part.has_covariance = part.has_covariance && wind->has_covariance;
-    part.doubtful += p.quality != Quality::good;
+    ++part.of_quality[static_cast<int>(p.quality)];
     ++part.count;
   }
   return part;
+}
+
+/// The quality that at least half of the values have or are above.
+Quality most_of(const Part& part) {
+  std::size_t worse = part.of_quality[static_cast<int>(Quality::bad)];
+  if (worse * 2 > part.count) return Quality::bad;
+  worse += part.of_quality[static_cast<int>(Quality::doubtful)];
+  return worse * 2 > part.count ? Quality::doubtful : Quality::good;
 }
 
 std::string part_line(const Part& part, double start_s, double end_s) {
@@ -116,7 +144,7 @@ std::string part_line(const Part& part, double start_s, double end_s) {
   return fmt::format("{}  {:>11}  {:6.2f} {:>7} {:>6} {:>7}  {}\n", time, height, report.speed_m_s, speed_half,
                      direction_text(report.from_deg),
                      sd_from ? fmt::format("+-{:.0f}", std::min(180.0, 1.96 * *sd_from)) : "",
-                     part.doubtful * 2 > part.count ? "doubtful" : "good");
+                     estimator::name(most_of(part)));
 }
 
 }  // namespace
@@ -159,11 +187,20 @@ std::string profile_table(const profiles::WindProfile& profile) {
 }
 
 std::string profile_answer(const FlightTitle& title, const profiles::WindProfile& profile,
-                           const estimator::FlightDiagnostics& diagnostics, const ingest::Vehicle& vehicle) {
-  return heading_lines(title) + profile_table(profile) + "\n" + reasons_text(profile) + closing(diagnostics, vehicle);
+                           const estimator::FlightDiagnostics& diagnostics, const ingest::Vehicle& vehicle,
+                           const std::optional<AutopilotComparison>& autopilot) {
+  return heading_lines(title) + profile_table(profile) + "\n" + levels_text(profile) + reasons_text(profile) +
+         closing(diagnostics, vehicle, autopilot);
 }
 
-std::string wind_answer(const FlightTitle& title, const estimator::WindSeries& series, const ingest::Vehicle& vehicle) {
+std::string merged_answer(const FlightTitle& title, const profiles::WindProfile& profile, const std::string& spread,
+                          const ingest::Vehicle& vehicle) {
+  return heading_lines(title) + profile_table(profile) + "\n" + levels_text(profile) + reasons_text(profile) +
+         wrapped(spread) + "\n" + wrapped(vehicle_sentence(vehicle)) + "\n";
+}
+
+std::string wind_answer(const FlightTitle& title, const estimator::WindSeries& series, const ingest::Vehicle& vehicle,
+                        const std::optional<AutopilotComparison>& autopilot) {
   auto text = heading_lines(title);
   text += fmt::format("{:<11}  {:>11}  {:>6} {:>7} {:>6} {:>7}  quality\n", "time", "height", "speed", "95 %", "from",
                       "95 %");
@@ -176,7 +213,7 @@ std::string wind_answer(const FlightTitle& title, const estimator::WindSeries& s
                       ingest::to_seconds(points[to - 1].time - points.front().time));
   }
   text += "\nSpeed and direction of the mean vector of each part; the intervals are those of\none instant.\n";
-  return text + closing(series.diagnostics, vehicle);
+  return text + closing(series.diagnostics, vehicle, autopilot);
 }
 
 }  // namespace quadsonde::product

@@ -39,6 +39,29 @@ TEST(Answer, OfEveryVerbFitsIn80ColumnsAndGoesToStandardOutput) {
   EXPECT_EQ(support::tree(folder.path()), (std::vector<std::string>{"a.csv", "s.toml"}));
 }
 
+TEST(Answer, TakesAFlagBeforeItsInputAsWellAsBehindIt) {
+  const support::TemporaryFolder folder;
+  support::place_flight(folder / "a.csv");
+  const auto before = quadsonde({"profile", "--leg", "up", "a.csv"}, folder.path());
+  const auto behind = quadsonde({"profile", "a.csv", "--leg", "up"}, folder.path());
+  EXPECT_THAT(before.code, AnyOf(0, 3)) << before.err;
+  EXPECT_EQ(before.out, behind.out);
+}
+
+TEST(Answer, OfMergedFlightsIsOneProfile) {
+  const support::TemporaryFolder folder;
+  support::place_flight(folder / "a.csv");
+  support::place_flight(folder / "b.csv");
+  const auto merged = quadsonde({"profile", "--merge", "a.csv", "b.csv", "--json"}, folder.path());
+  const auto json = nlohmann::json::parse(merged.out, nullptr, false);
+  ASSERT_FALSE(json.is_discarded()) << merged.err;
+  EXPECT_TRUE(json.is_object()) << "one object, not a list";
+  EXPECT_EQ(json["source"]["file"], "a.csv, b.csv");
+  const auto alone = quadsonde({"profile", "--merge", "a.csv"}, folder.path());
+  EXPECT_EQ(alone.code, 2);
+  EXPECT_THAT(alone.err, HasSubstr("two logs"));
+}
+
 TEST(Answer, AsJsonIsJsonForEveryVerb) {
   const support::TemporaryFolder folder;
   support::place_flight(folder / "a.csv");
@@ -115,7 +138,7 @@ TEST(Simulate, WritesALogThatProfilesToTheWindOfItsTruth) {
   EXPECT_THAT(ended.code, AnyOf(0, 3)) << ended.err;
   EXPECT_THAT(ended.out, HasSubstr("Against t.csv"));
   const auto compare = nlohmann::json::parse(read_text(folder / "out/s/compare.json"));
-  EXPECT_GT(compare["references"][0]["samples"]["n"], 500);
+  EXPECT_GT(compare["references"][0]["scores"]["n"], 500);
 }
 
 TEST(Convert, AndEstimateGiveTheSameTimesAndWindAsTheLogItself) {

@@ -19,7 +19,8 @@ READERS = [f"ingest/{name}" for name in ("mcap", "ulog", "dataflash", "mavlink",
 ESTIMATOR = ["estimator/filter", "estimator/smoother"]
 CALIBRATION = "estimator/calibration"
 SHARED_BY_PRODUCTS = "export/."
-PRODUCTS = [f"export/{name}" for name in ("geoid", "cf_netcdf", "uasdc", "bufr", "mcap", "csv", "geojson", "report", "archive")]
+PRODUCTS = [f"export/{name}" for name in ("geoid", "station", "cf_netcdf", "uasdc", "bufr", "mcap", "csv", "geojson", "kml",
+                                         "met_point", "report", "archive")]
 BEHIND_PRODUCTS = [FLIGHT, MOTION, REFERENCE, *ESTIMATOR, "profiles", SHARED_BY_PRODUCTS]
 
 ROWS = {
@@ -52,6 +53,7 @@ HOMES = [  # (name, its headers, the folders where it may be included)
     ("SUNDIALS", r"(sundials|cvodes?|arkode|idas?|kinsol|nvector|sunmatrix|sunlinsol|sunnonlinsol)/", [MOTION]),
     ("Ceres", r"(ceres|glog)/", ["estimator/smoother", CALIBRATION]),
     ("netCDF", r"netcdf", ["export/cf_netcdf", REFERENCE]),
+    ("SQLite", r"sqlite3", ["export/archive"]),
     ("ecCodes", r"eccodes", ["export/bufr", REFERENCE]),
     ("GeographicLib", r"GeographicLib/", ["ingest", "export/geoid"]),
     ("protobuf", r"google/protobuf/", ["ingest/mcap", "export/mcap"]),

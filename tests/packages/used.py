@@ -131,7 +131,14 @@ def without_strings(script):
 def called_by_shell(script):
     """Names at command position that are neither builtins nor functions nor asked for by command -v."""
     text = without_strings(script)
-    own = set(re.findall(r"(?m)^\s*(?:function\s+)?([\w-]+)\s*\(\)", text))
+    function = r"(?m)^\s*(?:function\s+)?([\w-]+)\s*\(\)"
+    own = set(re.findall(function, text))
+    for sourced in re.findall(r"(?m)^\s*(?:source|\.)\s+(.+)$", script):
+        # Functions of a script that this one reads in; its folder may stand in a variable, its name does not.
+        name = sourced.strip().strip("\"'").split("/")[-1]
+        for path in ROOT.rglob(name):
+            if "build" not in path.relative_to(ROOT).parts:
+                own |= set(re.findall(function, path.read_text(encoding="utf-8")))
     own |= set(output_of(["bash", "-c", "compgen -b; compgen -k"]).split())
     optional = set(re.findall(r"\bcommand -v\s+([\w.+-]+)", text))
     lead = r"(?:(?:if|then|elif|else|while|until|do|time|exec|env|\{|!)\s+|\w+=[^\s()]*\s+)*"

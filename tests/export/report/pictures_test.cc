@@ -8,6 +8,7 @@
 #include "export/report/plot.h"
 #include "export/report/profile_picture.h"
 #include "export/report/series_picture.h"
+#include "export/report/state_picture.h"
 #include "tests/export/made_up.h"
 #include "tests/export/report/xml_check.h"
 
@@ -50,6 +51,39 @@ TEST(ProfilePicture, ShowsAscentAndDescentApartAndTheTruthWhereThereIsOne) {
   EXPECT_THAT(without, Not(HasSubstr("true wind")));
   picture.reference = {{15, {1, 2}}, {225, {3, 4}}};
   EXPECT_THAT(profile_svg(profile, picture), HasSubstr(">true wind<"));
+}
+
+ReferenceMark metar_mark() {
+  ReferenceMark mark;
+  mark.name = "METAR <LF&BO>";
+  mark.height = 10, mark.speed = 4, mark.low = 3.7, mark.high = 4.3;
+  mark.from_deg = 350, mark.from_half_deg = 5;
+  return mark;
+}
+
+TEST(ProfilePicture, ShowsReportsAsMarksWithTheirRangeAndGusts) {
+  ProfilePicture picture{title(), "", {}, "true wind", "profile"};
+  const auto profile = support::made_up_profile();
+  const auto without = profile_svg(profile, picture);
+  auto mark = metar_mark();
+  mark.gust = 9;
+  mark.sector_deg = {330, 20};
+  picture.marks = {mark};
+  const auto with = profile_svg(profile, picture);
+  EXPECT_EQ(support::xml_fault(with), std::nullopt);
+  EXPECT_THAT(with, HasSubstr(">METAR &lt;LF&amp;BO&gt;<"));
+  EXPECT_THAT(with, HasSubstr(">gust<"));
+  EXPECT_EQ(count(with, colour::green), count(without, colour::green) + 3 + 1 + 1 + 1 + 3 + 1 + 3 + 1 + 1)
+      << "speed: bar of three strokes, diamond, gust with its line; direction: bar, diamond; the same in the legend";
+}
+
+TEST(ProfilePicture, ShowsNoDirectionOfAVariableWind) {
+  ProfilePicture picture{title(), "", {}, "true wind", "profile"};
+  auto mark = metar_mark();
+  mark.from_deg.reset();
+  picture.marks = {mark};
+  const auto svg = profile_svg(support::made_up_profile(), picture);
+  EXPECT_EQ(count(svg, colour::green), 3u + 1 + 3 + 1) << "speed and legend";
 }
 
 TEST(ProfilePicture, DrawsDoubtfulBinsHollowAndBadOnesAsCrosses) {
@@ -100,6 +134,37 @@ TEST(SeriesPicture, IsWellFormedAndThinnedToWhatAPictureShows) {
 TEST(SeriesPicture, SurvivesASeriesWithoutAnyWind) {
   estimator::WindSeries series;
   EXPECT_EQ(support::xml_fault(series_svg(series, {title(), nullptr, "series"})), std::nullopt);
+}
+
+TEST(SeriesPicture, DrawsTheReferenceOverTheTimeOfTheFlightAndNamesIt) {
+  const auto series = support::made_up_series(400);
+  SeriesPicture picture{title(), nullptr, "series", {}, "true wind"};
+  EXPECT_THAT(series_svg(series, picture), Not(HasSubstr("true wind")));
+  for (const auto& point : series.points) picture.reference.push_back({point.time, {3, 1}});
+  EXPECT_THAT(series_svg(series, picture), HasSubstr(">true wind<"));
+  for (auto& point : picture.reference) point.time = point.time + ingest::seconds(1e6);
+  EXPECT_THAT(series_svg(series, picture), Not(HasSubstr("true wind"))) << "a reference of another day is not drawn";
+}
+
+TEST(StatePicture, ShowsOursAndTheClassicFilterWithTheMeasuredVelocity) {
+  auto series = support::made_up_series(400);
+  ingest::Stream<Eigen::Vector3d> velocity;
+  for (auto& point : series.points) {
+    point.v_AB_N = Eigen::Vector2d(1, -2);
+    velocity.push(point.time, {0.5, 0.5, 0});
+  }
+  StatePicture picture;
+  picture.title = title();
+  const auto alone = state_svg(series, picture);
+  picture.classic = &series;
+  picture.velocity = &velocity;
+  const auto all = state_svg(series, picture);
+  EXPECT_EQ(support::xml_fault(all), std::nullopt);
+  for (const char* word : {"airspeed north (m/s)", "airspeed east (m/s)", "wind toward north (m/s)",
+                           "wind toward east (m/s)", "classic filter", "measured over ground"})
+    EXPECT_THAT(all, HasSubstr(word));
+  EXPECT_EQ(count(all, "<polyline"), count(alone, "<polyline") + 2 + 4 + 2) << "two in the legend, six curves";
+  EXPECT_EQ(support::xml_fault(state_svg({}, picture)), std::nullopt);
 }
 
 TEST(Axis, HasRoundTicksThatHoldTheValues) {

@@ -1,0 +1,68 @@
+#include "export/pipeline/merge.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "export/sha256.h"
+
+namespace quadsonde::product {
+namespace {
+
+void add_new(std::vector<ingest::Problem>& all, const std::vector<ingest::Problem>& more) {
+  for (const auto& problem : more) {
+    const auto text = ingest::to_string(problem);
+    if (std::none_of(all.begin(), all.end(), [&](const auto& p) { return ingest::to_string(p) == text; }))
+      all.push_back(problem);
+  }
+}
+
+}  // namespace
+
+ingest::Result<FlightAnswer> merge_answers(const std::vector<const FlightAnswer*>& answers) {
+  std::vector<const profiles::WindProfile*> all;
+  for (const auto* answer : answers)
+    if (answer->profile) all.push_back(&*answer->profile);
+  auto merged = profiles::merge_profiles(all);
+  if (!merged) return ingest::fail(merged.error());
+  const FlightAnswer& first = *answers.front();
+  FlightAnswer out;
+  out.part = first.part;
+  out.title = first.title;
+  out.station = first.station;
+  out.product = first.product;
+  out.source = first.source;
+  out.source.file.clear();
+  std::string fingerprints;
+  double flown = 0;
+  for (const auto* answer : answers) {
+    if (answer != &first) out.source.file += ", ";
+    out.source.file += answer->source.file;
+    if (answer->title.flights > 1) out.source.file += fmt::format(" ({})", answer->title.flight);
+    fingerprints += answer->source.sha256 + fmt::format(" {}\n", answer->source.flight);
+    flown += answer->title.duration_s;
+    add_new(out.source.problems, answer->source.problems);
+  }
+  add_new(out.source.problems, merged->profile.problems);
+  out.source.sha256 = sha256_hex(ingest::as_bytes(fingerprints));
+  out.title.file = fmt::format("{} flights merged ({})", answers.size(), out.source.file);
+  out.title.flight = out.title.flights = 1;
+  out.title.duration_s = flown;
+  out.merged = MergeFacts{merged->spread, merged->hours, merged->farthest_m, answers.size()};
+  out.profile = std::move(merged->profile);
+  return out;
+}
+
+std::string spread_sentence(const FlightAnswer& merged) {
+  const auto& facts = *merged.merged;
+  return fmt::format(
+      "{} flights within {:.1f} h and {:.0f} m: they differ from their mean with chi-square {:.0f} for {} degrees of "
+      "freedom (p = {:.3f}), so {}.",
+      facts.flights, facts.hours, facts.farthest_m, facts.spread.chi2, facts.spread.degrees_of_freedom,
+      facts.spread.p_value,
+      facts.spread.degrees_of_freedom == 0 ? "no height was flown twice and nothing tests them"
+      : facts.spread.p_value < 0.01        ? "they scatter more than their uncertainties say"
+                                           : "they scatter as their uncertainties say");
+}
+
+}  // namespace quadsonde::product
