@@ -2,10 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <limits>
-
 #include "export/atomic_file.h"
-#include "export/mcap/tracks.h"
+#include "export/mcap/product_tracks.h"
+#include "export/mcap/track_file.h"
 #include "ingest/mcap/own_schema.h"
 #include "ingest/mcap/writer.h"
 
@@ -13,7 +12,6 @@ namespace quadsonde::product {
 namespace {
 
 using ingest::fail;
-using ingest::LogTime;
 using ingest::Result;
 using Pairs = ingest::mcap::Writer::Pairs;
 namespace own = ingest::own;
@@ -34,37 +32,6 @@ class FileSink : public ingest::mcap::Sink {
 };
 
 std::string text(double value) { return fmt::format("{}", value); }
-
-/// One sample of one track.
-struct Entry {
-  LogTime time;
-  std::uint32_t track = 0, sample = 0;
-};
-
-/// All samples in the order of their times; those of one time in the order of the tracks.
-Result<std::vector<Entry>> merge(const std::vector<Track>& tracks) {
-  std::vector<Entry> entries;
-  std::size_t count = 0;
-  for (const auto& track : tracks) count += track.times.size();
-  if (count > std::numeric_limits<std::uint32_t>::max()) return fail(ingest::Kind::limit, "more than 4e9 samples");
-  entries.reserve(count);
-  for (std::uint32_t t = 0; t < tracks.size(); ++t)
-    for (std::uint32_t i = 0; i < tracks[t].times.size(); ++i) entries.push_back({tracks[t].times[i], t, i});
-  std::ranges::stable_sort(entries, {}, &Entry::time);
-  return entries;
-}
-
-/// What to add to a log time for an MCAP time: UTC where it is known and after 1970, else the log clock itself,
-/// moved only as far as negative times need.
-std::int64_t mcap_minus_log(const ingest::Flight& flight, const std::vector<Entry>& entries) {
-  const auto first = entries.empty() ? LogTime{} : entries.front().time;
-  const auto last = entries.empty() ? LogTime{} : entries.back().time;
-  if (const auto offset = flight.clock.utc_minus_log) {
-    const auto from = first + *offset, to = last + *offset;
-    if (from.ns >= 0 && to.ns >= from.ns) return offset->count();
-  }
-  return first.ns >= 0 ? 0 : (LogTime{} - first).count();
-}
 
 Pairs clock_pairs(const ingest::Clock& clock, std::int64_t shift) {
   Pairs pairs{{own::kShift, std::to_string(shift)}, {"source", own::utf8(clock.source)}};
@@ -98,50 +65,19 @@ Result<void> write_metadata(ingest::mcap::Writer& writer, const ingest::Flight& 
   return done;
 }
 
-/// Declares the channels; gives their ids by track.
-Result<std::vector<std::uint16_t>> add_channels(ingest::mcap::Writer& writer, const std::vector<Track>& tracks,
-                                                std::int64_t shift) {
-  std::vector<std::uint16_t> ids;
-  for (const auto& track : tracks) {
-    const auto& descriptor = *track.message->GetDescriptor();
-    const auto data = track.json ? own::json_schema(descriptor) : own::descriptor_set(descriptor);
-    const auto schema = writer.add_schema(descriptor.full_name(), track.json ? "jsonschema" : "protobuf",
-                                          ingest::as_bytes(data));
-    if (!schema) return fail(schema.error());
-    auto metadata = track.metadata;
-    metadata.emplace_back(own::kShift, std::to_string(shift));
-    const auto id = writer.add_channel(*schema, track.topic, track.json ? "json" : "protobuf", std::move(metadata));
-    if (!id) return fail(id.error());
-    ids.push_back(*id);
-  }
-  return ids;
-}
-
 }  // namespace
 
 Result<void> write_flight(ingest::mcap::Sink& sink, const ingest::Flight& flight, const FlightFileSettings& settings,
-                          const ingest::Truth& truth) {
-  ingest::mcap::WriterSettings writing;
-  writing.profile = "quadsonde";
-  writing.compression = settings.compression == FlightFileSettings::Compression::none  ? ingest::mcap::Compression::none
-                        : settings.compression == FlightFileSettings::Compression::lz4 ? ingest::mcap::Compression::lz4
-                                                                                       : ingest::mcap::Compression::zstd;
+                          const ingest::Truth& truth, const FlightProducts& products) {
   auto tracks = tracks_of(flight, truth, settings);
+  add_product_tracks(tracks, products, first_time(tracks), settings);
   const auto entries = merge(tracks);
   if (!entries) return fail(entries.error());
-  const auto shift = mcap_minus_log(flight, *entries);
-  ingest::mcap::Writer writer(sink, writing);
+  const auto shift = mcap_minus_log(flight.clock.utc_minus_log, *entries);
+  ingest::mcap::Writer writer(sink, writer_settings(settings));
   if (auto done = write_metadata(writer, flight, shift); !done) return done;
-  const auto ids = add_channels(writer, tracks, shift);
-  if (!ids) return fail(ids.error());
-  std::string data;
-  for (const auto& entry : *entries) {
-    auto& track = tracks[entry.track];
-    const auto time = static_cast<std::uint64_t>((entry.time + ingest::Duration(shift)).ns);
-    track.encode(entry.sample, time, data);
-    auto done = writer.write({(*ids)[entry.track], entry.sample, time, time, ingest::as_bytes(data)});
-    if (!done) return done;
-  }
+  if (auto done = write_product_metadata(writer, products); !done) return done;
+  if (auto done = write_entries(writer, tracks, *entries, shift); !done) return done;
   return writer.close();
 }
 

@@ -1,5 +1,6 @@
 #include "export/mcap/tracks.h"
 
+#include <fmt/format.h>
 #include <google/protobuf/util/json_util.h>
 
 #include <cmath>
@@ -19,6 +20,10 @@ void add(std::vector<Track>& tracks, const char* name, const S& stream, Fill fil
          ingest::mcap::Writer::Pairs metadata = {}) {
   if (stream.empty() && stream.source.empty()) return;
   metadata.emplace_back(own::kSource, own::utf8(stream.source));
+  if (stream.latency) {
+    metadata.emplace_back(own::kLatency, fmt::format("{}", stream.latency->median_s));
+    metadata.emplace_back(own::kLatencyAtLeast, stream.latency->at_least ? "true" : "false");
+  }
   tracks.push_back({std::string(own::kTopicPrefix) + name, std::move(metadata), stream.time, std::make_unique<Pb>(),
                     [&stream, fill](std::size_t i, std::uint64_t, Message& message) {
                       fill(stream.value[i], static_cast<Pb&>(message), i);
@@ -106,15 +111,6 @@ void add_events(std::vector<Track>& tracks, const ingest::Flight& flight) {
   tracks.push_back(std::move(gaps));
 }
 
-/// Earliest time of anything; problems have no time of their own and are written there.
-ingest::LogTime first_time(const std::vector<Track>& tracks) {
-  std::optional<ingest::LogTime> first;
-  for (const auto& track : tracks)
-    for (const auto time : track.times)
-      if (!first || time < *first) first = time;
-  return first.value_or(ingest::LogTime{});
-}
-
 void fill_problem(const ingest::Problem& problem, Problem& m) {
   m.set_kind(std::string(own::name_of(problem.kind)));
   m.set_what(own::utf8(problem.what));
@@ -127,6 +123,7 @@ void fill_problem(const ingest::Problem& problem, Problem& m) {
 
 void add_problems(std::vector<Track>& tracks, const ingest::Flight& flight) {
   if (flight.problems.empty()) return;
+  // Problems have no time of their own.
   const auto first = first_time(tracks);
   tracks.push_back({std::string(own::kTopicPrefix) + "problem", {},
                     std::vector<ingest::LogTime>(flight.problems.size(), first), std::make_unique<Problem>(),
@@ -150,6 +147,14 @@ void add_truth(std::vector<Track>& tracks, const ingest::Truth& truth) {
 }
 
 }  // namespace
+
+ingest::LogTime first_time(const std::vector<Track>& tracks) {
+  std::optional<ingest::LogTime> first;
+  for (const auto& track : tracks)
+    for (const auto time : track.times)
+      if (!first || time < *first) first = time;
+  return first.value_or(ingest::LogTime{});
+}
 
 void Track::encode(std::size_t sample, std::uint64_t mcap_time, std::string& data) {
   message->Clear();

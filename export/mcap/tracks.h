@@ -29,6 +29,8 @@ struct Track {
 /// Views into flight and truth, which must outlive them. Streams that are empty and have no name are left out.
 std::vector<Track> tracks_of(const ingest::Flight& flight, const ingest::Truth& truth,
                              const FlightFileSettings& settings);
+/// The earliest time of anything in them; 0 where nothing is.
+ingest::LogTime first_time(const std::vector<Track>& tracks);
 /// Foxglove's LocationFix, PoseInFrame and Log for the same flight.
 std::vector<Track> viewer_tracks_of(const ingest::Flight& flight);
 

@@ -82,7 +82,9 @@ class FlightCollector {
     const auto& channel = *reader_.registry().channel(id);
     const auto* schema = reader_.registry().schema(channel.schema_id);
     if (auto ours = own::handler_for(channel, schema, own_)) return ours;
-    // Foxglove's schemas beside ours are for viewers.
+    // Foxglove's schemas beside ours are for viewers, and what we computed is no measurement, also where another
+    // program copied our topics.
+    if (schema && schema->name.starts_with(own::kPackage) && !settings_.topics) return nullptr;
     if (written_by_us_ && !settings_.topics) return nullptr;
     return foreign_.handler_for(channel, schema, settings_.topics ? &*settings_.topics : nullptr);
   }

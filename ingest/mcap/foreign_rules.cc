@@ -197,7 +197,9 @@ Rule rule_for_schema(const std::string& schema_name) {
       {"sensor_msgs/Imu", imu},                     {"nav_msgs/Odometry", odometry},
       {"geometry_msgs/PoseStamped", pose_stamped},  {"geometry_msgs/TwistStamped", twist_stamped},
       {"foxglove_msgs/LocationFix", location_fix},  {"foxglove_msgs/PoseInFrame", pose_in_frame}};
-  const auto found = rules.find(plain(schema_name));
+  const auto name = plain(schema_name);
+  if (name.starts_with("px4_msgs/")) return px4_rule(name);
+  const auto found = rules.find(name);
   return found == rules.end() ? Rule{} : found->second;
 }
 

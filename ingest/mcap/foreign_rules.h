@@ -24,6 +24,8 @@ std::optional<Eigen::Quaterniond> quaternion_at(const Json& message, const std::
 
 /// The rule for a schema of Foxglove or ROS, else nothing.
 Rule rule_for_schema(const std::string& schema_name);
+/// The same for PX4's own messages, bridged to ROS 2: "px4_msgs/VehicleAttitude".
+Rule px4_rule(const std::string& plain_name);
 /// By the names of JSON fields.
 /// @param topic  a pair "north", "east" is a wind only on a topic or schema with "wind" in its name
 Rule rule_for_json(const std::string& topic, const std::string& schema_name);

@@ -21,8 +21,8 @@ struct Part {
 class Parts {
  public:
   /// A handler by the user's map or, for streams that it does not name, by the schema: Foxglove's LocationFix,
-  /// PoseInFrame and Log; ROS 2's (and ROS 1's) NavSatFix, Imu, Odometry, PoseStamped and TwistStamped; JSON by the
-  /// names of its fields. Nothing for all else.
+  /// PoseInFrame and Log; ROS 2's (and ROS 1's) NavSatFix, Imu, Odometry, PoseStamped and TwistStamped; PX4's own
+  /// (px4_msgs); JSON by the names of its fields. Nothing for all else.
   std::unique_ptr<TopicHandler> handler_for(const mcap::KnownChannel& channel, const mcap::KnownSchema* schema,
                                             const TopicMap* map);
   /// The best source for every stream: the user's own word; of velocities the receiver's where it comes at 4 Hz and

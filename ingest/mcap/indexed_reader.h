@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "ingest/flight/problem.h"
+#include "ingest/mcap/problem_list.h"
 #include "ingest/mcap/reader.h"
 
 namespace quadsonde::ingest::mcap {
@@ -20,7 +21,7 @@ enum class Order {
   log_time  ///< by log_time; messages of one time as they stand
 };
 
-/// Where messages are: one chunk, or some messages outside of chunks.
+/// Where messages are: one chunk, or some messages outside of chunks that stand behind each other.
 struct Place {
   std::uint64_t offset = 0, first_time = 0, last_time = 0;
   bool is_chunk = true;
@@ -28,7 +29,7 @@ struct Place {
   std::vector<std::uint16_t> channels;  ///< that the index names; empty: not known
 };
 
-/// A message outside of chunks.
+/// A message that does not stand in the order of times.
 struct LooseMessage {
   std::uint64_t time = 0, offset = 0;
 };
@@ -38,8 +39,8 @@ class MessageCursor;
 /// Opens by the summary where there is one, and walks over the records that it does not cover; without one it walks
 /// over all of them once, without unpacking chunks. Damage is met as in tolerant reading: what cannot be read is left
 /// out and told in problems(); use RecordReader to salvage.
-/// Memory: 16 bytes for each message outside of chunks, 40 for each chunk; a cursor holds the chunks that overlap in
-/// time, unpacked.
+/// Memory: 40 bytes for each chunk; 16 for each message outside of chunks from the first one on that is earlier than
+/// the one before it; a cursor holds the chunks that overlap in time, unpacked.
 class IndexedReader {
  public:
   /// @param file  must outlive the reader and everything it gives
@@ -49,7 +50,7 @@ class IndexedReader {
   /// False if there was no usable summary, and summary() holds what the walk found.
   bool has_index() const { return has_index_; }
   const std::vector<Place>& places() const { return places_; }
-  const std::vector<Problem>& problems() const { return problems_; }
+  const std::vector<Problem>& problems() const { return problems_.list(); }
 
   MessageCursor messages(Selection selection = {}, Order order = Order::log_time) const;
   /// @return fails with damaged if no such record is there or its CRC differs
@@ -62,15 +63,20 @@ class IndexedReader {
   void walk_uncovered(std::uint64_t end);
   void walk(std::uint64_t from, std::uint64_t to);
   bool visit(const RawRecord& raw, std::uint64_t at);
-  void add_loose(const Message& message, std::uint64_t at, std::uint64_t end);
+  bool take(const RawRecord& raw, std::uint64_t at);
+  void add_loose(std::uint64_t time, std::uint64_t at, std::uint64_t end);
+  void complain(Kind kind, std::string what, std::uint64_t byte, std::string hint);
 
   Bytes file_;
   ReadSettings settings_;
   Summary summary_;
   bool has_index_ = false, new_group_ = true;
   std::vector<Place> places_;  // by offset
-  std::vector<LooseMessage> loose_;  // by time, then offset
-  std::vector<Problem> problems_;
+  // Messages outside of chunks from the first inversion of their times on, by time, then offset; the places before
+  // it are read as they stand.
+  std::vector<LooseMessage> loose_;
+  std::uint64_t loose_from_ = UINT64_MAX;
+  ProblemList problems_;
 };
 
 /// One pass over a selection. The reader must outlive it.
@@ -86,7 +92,7 @@ class MessageCursor {
   bool next(Message& message);
   /// Channels and schemas met so far; that of the last message is among them.
   const Registry& registry() const { return registry_; }
-  const std::vector<Problem>& problems() const { return problems_; }
+  const std::vector<Problem>& problems() const { return problems_.list(); }
   /// Most bytes that unpacked chunks took at one time.
   std::uint64_t peak_bytes() const { return peak_bytes_; }
 
@@ -100,7 +106,7 @@ class MessageCursor {
   bool unpack(const Place& place, Run& run);
   void learn(Run& run);
   void learn_before(std::uint64_t offset);
-  void define(const RawRecord& raw);
+  void define(const RawRecord& raw, std::uint64_t offset);
   bool advance(Run& run);
   std::optional<RawRecord> next_record(Run& run);
   void admit(std::unique_ptr<Run> run);
@@ -121,7 +127,8 @@ class MessageCursor {
   bool given_ = false;                      // the message of the front run was given out
   Decompressor decompressor_;
   std::uint64_t held_bytes_ = 0, peak_bytes_ = 0;
-  std::vector<Problem> problems_;
+  ProblemList problems_;
+  bool quiet_ = false;  // what is wrong is told another time
 };
 
 }  // namespace quadsonde::ingest::mcap

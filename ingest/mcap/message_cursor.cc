@@ -10,6 +10,8 @@ namespace quadsonde::ingest::mcap {
 struct MessageCursor::Run {
   enum class From { records, order, loose };
   From from = From::records;
+  bool in_chunk = true;
+  std::uint64_t base = 0;            // in the file: of the place
   std::uint64_t offset = 0;          // in the file: of the chunk, or of the message outside of one
   Bytes records;                     // a chunk's, unpacked, or a part of the file
   std::vector<std::uint8_t> buffer;  // holds them if they were compressed
@@ -39,19 +41,19 @@ MessageCursor::MessageCursor(const IndexedReader& reader, Selection selection, O
       wanted_(selection_.topics.empty() ? 0 : 65536, -1) {
   const bool by_time = order_ == Order::log_time;
   for (const auto& place : reader.places_)
-    if ((place.is_chunk || !by_time) && may_hold_wanted(place)) places_.push_back(place);
+    if ((place.is_chunk || !by_time || place.offset < reader.loose_from_) && may_hold_wanted(place))
+      places_.push_back(place);
   if (!by_time) return;
   std::ranges::stable_sort(places_, {}, &Place::first_time);
   if (reader.loose_.empty()) return;
   auto run = std::make_unique<Run>();
   run->from = Run::From::loose;
+  run->in_chunk = false;
   admit(std::move(run));
 }
 
 void MessageCursor::complain(Kind kind, std::string what, std::uint64_t byte) {
-  constexpr std::size_t kMaxProblems = 200;
-  if (problems_.size() < kMaxProblems)
-    problems_.push_back({kind, std::move(what), {reader_->settings_.file_name, byte, {}, {}}, "it is left out"});
+  if (!quiet_) problems_.add({kind, std::move(what), {reader_->settings_.file_name, byte, {}, {}}, "it is left out"});
 }
 
 bool MessageCursor::wants(std::uint16_t id) {
@@ -78,13 +80,15 @@ bool MessageCursor::unpack(const Place& place, Run& run) {
   const auto compression = chunk ? compression_named(chunk->compression) : std::nullopt;
   if (!compression) {
     complain(chunk ? Kind::unsupported : Kind::damaged,
-             chunk ? fmt::format("a chunk is compressed with \"{}\"", chunk->compression.substr(0, 40))
+             chunk ? fmt::format("a chunk of {} bytes is compressed with \"{}\"", chunk->records.size(),
+                                 chunk->compression.substr(0, 40))
                    : "no chunk stands where the index says",
              place.offset);
     return false;
   }
   if (chunk->uncompressed_size > reader_->settings_.max_chunk) {
-    complain(Kind::limit, fmt::format("a chunk says that it unpacks to {} bytes", chunk->uncompressed_size),
+    complain(Kind::limit, fmt::format("a chunk of {} bytes says that it unpacks to {}; the limit is {}",
+                                      chunk->records.size(), chunk->uncompressed_size, reader_->settings_.max_chunk),
              place.offset);
     return false;
   }
@@ -96,7 +100,10 @@ bool MessageCursor::unpack(const Place& place, Run& run) {
   }
   const bool checked = reader_->settings_.check_crc && chunk->uncompressed_crc != 0;
   if (whole && (!checked || crc32(run.records) == chunk->uncompressed_crc)) return true;
-  complain(Kind::damaged, whole ? "the CRC of this chunk differs" : "this chunk does not unpack to the size that it says",
+  complain(Kind::damaged,
+           fmt::format("{}: {} bytes of records",
+                       whole ? "the CRC of this chunk differs" : "this chunk does not unpack to the size that it says",
+                       chunk->uncompressed_size),
            place.offset);
   return false;
 }
@@ -111,24 +118,27 @@ void MessageCursor::learn(Run& run) {
   const auto* const bytes = run.records.data();
   while (size - at >= kHeadSize) {
     const auto length = load<std::uint64_t>(bytes + at + 1);
-    if (length > size - at - kHeadSize) break;
     const auto op = static_cast<Op>(bytes[at]);
+    if (length > size - at - kHeadSize || op == Op::none) break;
     if (op == Op::message && length >= kMessageHead) {
       const auto time = load<std::uint64_t>(bytes + at + kHeadSize + 6);
       sorted = sorted && time >= last;
       last = time;
     } else if (op == Op::schema || op == Op::channel) {
-      define({op, run.records.subspan(at + kHeadSize, length), 0});
+      define({op, run.records.subspan(at + kHeadSize, length), 0}, run.offset);
     }
     at += kHeadSize + length;
   }
-  if (at != size) complain(Kind::damaged, "the end of this chunk is no whole record", run.offset);
+  if (at != size)
+    complain(Kind::damaged, fmt::format("{} bytes at the end of this chunk are no whole records", size - at),
+             run.offset);
   run.records = run.records.first(at);
   if (sorted || order_ == Order::file) return;
   at = 0;
   while (const auto raw = record_at(run.records, at)) {
-    if (raw->op == Op::message && raw->content.size() >= kMessageHead)
-      run.order.push_back({load_message(raw->content).log_time, at});
+    // One that is shorter than its own head comes first, and is told then.
+    const bool whole = raw->content.size() >= kMessageHead;
+    if (raw->op == Op::message) run.order.push_back({whole ? load_message(raw->content).log_time : 0, at});
     at = raw->end;
   }
   std::ranges::stable_sort(run.order, {}, &LooseMessage::time);
@@ -140,31 +150,40 @@ void MessageCursor::learn(Run& run) {
 void MessageCursor::learn_before(std::uint64_t offset) {
   const auto& places = reader_->places_;
   Run run;
+  quiet_ = true;  // what is wrong with a chunk is told when its messages are read
   for (; searched_ < places.size() && places[searched_].offset < offset; ++searched_) {
-    const auto known_problems = problems_.size();
     if (places[searched_].is_chunk && unpack(places[searched_], run)) {
       std::size_t at = 0;
       while (const auto raw = record_at(run.records, at)) {
-        define(*raw);
+        define(*raw, places[searched_].offset);
         at = raw->end;
       }
     }
-    // What is wrong with the chunk is told when its messages are read.
-    problems_.resize(known_problems);
   }
+  quiet_ = false;
 }
 
-void MessageCursor::define(const RawRecord& raw) {
-  if (raw.op == Op::schema)
-    if (const auto schema = parse_schema(raw.content)) registry_.add(*schema);
-  if (raw.op == Op::channel)
-    if (const auto channel = parse_channel(raw.content)) registry_.add(*channel);
+void MessageCursor::define(const RawRecord& raw, std::uint64_t offset) {
+  const auto known = [&](const auto& parsed) {
+    if (!parsed) return false;
+    const auto added = registry_.add(*parsed);
+    return added == Registry::Added::fresh || added == Registry::Added::same;
+  };
+  const bool taken = raw.op == Op::schema    ? known(parse_schema(raw.content))
+                     : raw.op == Op::channel ? known(parse_channel(raw.content))
+                                             : true;
+  if (!taken)
+    complain(Kind::damaged,
+             fmt::format("a {} record of {} bytes is damaged or contradicts an earlier one",
+                         raw.op == Op::schema ? "schema" : "channel", raw.content.size()),
+             offset);
 }
 
 std::unique_ptr<MessageCursor::Run> MessageCursor::open(const Place& place) {
   auto run = spare_ ? std::move(spare_) : std::make_unique<Run>();
   run->from = Run::From::records;
-  run->offset = place.offset;
+  run->base = run->offset = place.offset;
+  run->in_chunk = place.is_chunk;
   run->at = run->position = 0;
   if (!place.is_chunk) {
     run->records = reader_->file_.subspan(place.offset, place.end - place.offset);
@@ -180,6 +199,7 @@ std::unique_ptr<MessageCursor::Run> MessageCursor::open(const Place& place) {
 std::optional<RawRecord> MessageCursor::next_record(Run& run) {
   if (run.from == Run::From::records) {
     auto raw = record_at(run.records, run.at);
+    if (!run.in_chunk) run.offset = run.base + run.at;
     if (raw) run.at = raw->end;
     return raw;
   }
@@ -256,7 +276,10 @@ void MessageCursor::admit_due() {
 bool MessageCursor::next(Message& message) {
   leave_last();
   admit_due();
-  if (runs_.empty()) return false;
+  if (runs_.empty()) {
+    problems_.close(reader_->settings_.file_name);
+    return false;
+  }
   message = runs_.front()->current;
   given_ = true;
   return true;

@@ -37,21 +37,28 @@ class OwnHandler : public TopicHandler {
   Pb message_;
 };
 
-using Maker = std::function<std::unique_ptr<TopicHandler>(bool json, Collected&, const std::string& source)>;
+/// What the metadata of a channel tell of its stream.
+struct StreamInfo {
+  std::string source;
+  std::optional<Latency> latency;
+};
+
+using Maker = std::function<std::unique_ptr<TopicHandler>(bool json, Collected&, const StreamInfo&)>;
 
 /// A maker for one message type that goes into one stream: value(Pb) gives the sample.
 template <class Pb, class S, class Value>
 Maker into(S Flight::*stream, Value value) {
-  return [=](bool json, Collected& c, const std::string& source) -> std::unique_ptr<TopicHandler> {
+  return [=](bool json, Collected& c, const StreamInfo& info) -> std::unique_ptr<TopicHandler> {
     auto& target = c.flight.*stream;
-    if (!source.empty()) target.source = source;
+    if (!info.source.empty()) target.source = info.source;
+    if (info.latency) target.latency = info.latency;
     return std::make_unique<OwnHandler<Pb>>(json, [&target, value](LogTime t, const Pb& m) { target.push(t, value(m)); });
   };
 }
 
 template <class Pb>
 Maker with(std::function<void(Collected&, LogTime, const Pb&)> sink) {
-  return [=](bool json, Collected& c, const std::string&) -> std::unique_ptr<TopicHandler> {
+  return [=](bool json, Collected& c, const StreamInfo&) -> std::unique_ptr<TopicHandler> {
     return std::make_unique<OwnHandler<Pb>>(json, [&c, sink](LogTime t, const Pb& m) { sink(c, t, m); });
   };
 }
@@ -206,20 +213,29 @@ bool take_origin(const std::map<std::string_view, std::string_view>& values, Fli
 
 std::unique_ptr<TopicHandler> handler_for(const mcap::KnownChannel& channel, const mcap::KnownSchema* schema,
                                           Collected& into) {
-  // A JSON schema of ours has the same name as the protobuf one.
+  // A JSON schema of ours has the same name as the protobuf one. Winds and profiles that we computed have no maker:
+  // an estimate is no measurement.
   const auto found = schema ? makers().find(schema->name) : makers().end();
   const bool json = channel.message_encoding == "json";
   if (found == makers().end() || !(json || channel.message_encoding == "protobuf")) return nullptr;
   into.any = true;
-  std::string source;
+  StreamInfo info;
+  std::optional<double> latency;
+  bool at_least = false;
   for (const auto& [key, value] : channel.metadata) {
-    if (key == kSource) source = value;
+    if (key == kSource) info.source = value;
+    if (key == kLatency) latency = number_from<double>(value);
+    if (key == kLatencyAtLeast) at_least = value == "true";
     if (key == kShift && !into.mcap_minus_log_ns) into.mcap_minus_log_ns = number_from<std::int64_t>(value);
     if (key == kVelocityOrigin)
       into.flight.velocity.origin = velocity_origin_named(value).value_or(VelocityOrigin::receiver);
   }
-  if (schema->name == "quadsonde.Velocity") into.flight.velocity.source = source;
-  return found->second(json, into, source);
+  if (latency) info.latency = Latency{*latency, at_least};
+  if (schema->name == "quadsonde.Velocity") {
+    into.flight.velocity.source = info.source;
+    into.flight.velocity.latency = info.latency;
+  }
+  return found->second(json, into, info);
 }
 
 bool take_metadata(const mcap::Metadata& record, Collected& into) {

@@ -23,12 +23,15 @@ inline constexpr const char* kClock = "quadsonde.clock";
 inline constexpr const char* kVehicle = "quadsonde.vehicle";
 inline constexpr const char* kOrigin = "quadsonde.origin";
 inline constexpr const char* kFlight = "quadsonde.flight";
+inline constexpr const char* kProduct = "quadsonde.product";
 
 /// Key of kClock and of every channel: nanoseconds to subtract from an MCAP time for the source's log clock.
 inline constexpr const char* kShift = "mcap_minus_log_ns";
 /// Keys of a channel.
 inline constexpr const char* kSource = "source";
 inline constexpr const char* kVelocityOrigin = "velocity_origin";
+inline constexpr const char* kLatency = "latency_s";  // median age of a sample when the source stamped it
+inline constexpr const char* kLatencyAtLeast = "latency_at_least";
 
 /// A number as text that reads back to the same bits.
 template <class T>

@@ -7,8 +7,6 @@
 namespace quadsonde::ingest::mcap {
 namespace {
 
-constexpr std::size_t kMaxProblems = 200;
-
 bool is_known(Op op) { return op >= Op::header && op <= Op::data_end; }
 
 }  // namespace
@@ -31,12 +29,12 @@ void RecordReader::start() {
 }
 
 void RecordReader::complain(Kind kind, std::string what, std::uint64_t byte, std::string topic, std::string hint) {
-  if (settings_.mode == Reading::strict) done_ = true;
-  if (problems_.size() >= kMaxProblems) {
-    ++problems_left_out_;
-    return;
+  if (settings_.mode == Reading::strict) {
+    // The first one ends the reading, also of what is told at the end only.
+    if (!problems_.empty()) return;
+    done_ = true;
   }
-  problems_.push_back({kind, std::move(what), {settings_.file_name, byte, {}, std::move(topic)}, std::move(hint)});
+  problems_.add({kind, std::move(what), {settings_.file_name, byte, {}, std::move(topic)}, std::move(hint)});
 }
 
 bool RecordReader::next_slow(Record& record) {
@@ -57,8 +55,7 @@ bool RecordReader::next_slow(Record& record) {
 bool RecordReader::next_in_chunk(Record& record) {
   const auto raw = record_at(chunk_, chunk_at_);
   if (!raw || (!chunk_sound_ && implausible(*raw))) {
-    const auto lost = count_left();
-    counts_.lost += lost;
+    counts_.bytes_given_up += chunk_.size() - chunk_at_;
     // The tail of a cut chunk is a record that was not finished: said once, when the chunk was opened.
     complain(Kind::damaged,
              fmt::format("{} bytes at the end of this chunk are no whole records", chunk_.size() - chunk_at_),
@@ -209,7 +206,9 @@ template <class T>
 RecordReader::Step RecordReader::take_definition(const std::optional<T>& parsed, const Record& record,
                                                  const char* what) {
   if (!parsed) {
-    complain(Kind::damaged, fmt::format("a {} record is damaged", what), record.offset);
+    counts_.bytes_given_up += record.content.size();
+    complain(Kind::damaged, fmt::format("a {} record of {} bytes is damaged", what, record.content.size()),
+             record.offset);
     return Step::skip;
   }
   if ((!record.in_chunk || !record.sound) && contradicts_summary(*parsed)) {
@@ -266,7 +265,9 @@ RecordReader::Step RecordReader::take_message(Record& record) {
 RecordReader::Step RecordReader::take_attachment(Record& record) {
   const auto attachment = parse_attachment(record.content);
   if (!attachment) {
-    complain(Kind::damaged, "an attachment is damaged", record.offset, {}, "it is left out");
+    counts_.bytes_given_up += record.content.size();
+    complain(Kind::damaged, fmt::format("an attachment of {} bytes is damaged", record.content.size()), record.offset,
+             {}, "it is left out");
     return Step::skip;
   }
   if (!settings_.check_crc || attachment->crc == 0 || crc32(attachment->covered) == attachment->crc) return Step::give;
@@ -335,9 +336,7 @@ void RecordReader::note_end() {
                                          ignored_records_),
              first_ignored_);
   ignored_records_ = 0;
-  if (problems_left_out_ > 0 && problems_.size() == kMaxProblems)
-    problems_.push_back({Kind::damaged, fmt::format("{} more problems are not listed", problems_left_out_),
-                         {settings_.file_name, {}, {}, {}}, ""});
+  problems_.close(settings_.file_name);
 }
 
 }  // namespace quadsonde::ingest::mcap

@@ -5,6 +5,7 @@
 
 #include "ingest/flight/problem.h"
 #include "ingest/mcap/compression.h"
+#include "ingest/mcap/problem_list.h"
 #include "ingest/mcap/registry.h"
 #include "ingest/mcap/summary.h"
 
@@ -65,7 +66,7 @@ class RecordReader {
   }
 
   const Registry& registry() const { return registry_; }
-  const std::vector<Problem>& problems() const { return problems_; }
+  const std::vector<Problem>& problems() const { return problems_.list(); }
   const ReadCounts& counts() const { return counts_; }
   /// True once the footer and the end mark were met where they belong.
   bool complete() const { return complete_; }
@@ -150,8 +151,8 @@ class RecordReader {
 
   Registry registry_;
   std::optional<Statistics> statistics_;
-  std::vector<Problem> problems_;
-  std::uint64_t problems_left_out_ = 0, search_cost_ = 0;
+  ProblemList problems_;
+  std::uint64_t search_cost_ = 0;
   std::uint64_t ignored_records_ = 0, first_ignored_ = 0;
   ReadCounts counts_;
 };

@@ -58,6 +58,18 @@ class Fields {
   bool ok_ = true;
 };
 
+constexpr std::uint32_t kPolynomial = 0xEDB88320;  // of CRC-32, its bits in the order of the value's
+
+/// Product of two polynomials over GF(2), modulo the CRC's; the top bit is x to the power of 0.
+std::uint32_t multiply(std::uint32_t a, std::uint32_t b) {
+  std::uint32_t product = 0;
+  for (std::uint32_t bit = 1u << 31; bit != 0; bit >>= 1) {
+    if (a & bit) product ^= b;
+    b = b & 1 ? (b >> 1) ^ kPolynomial : b >> 1;
+  }
+  return product;
+}
+
 }  // namespace
 
 std::optional<Header> parse_header(Bytes content) {
@@ -164,6 +176,16 @@ std::optional<std::uint32_t> parse_data_end(Bytes content) {
 std::uint32_t crc32(Bytes bytes, std::uint32_t so_far) {
   // The library takes a null pointer as "start anew".
   return bytes.empty() ? so_far : libdeflate_crc32(so_far, bytes.data(), bytes.size());
+}
+
+std::uint32_t joined_crc32(std::uint32_t crc_a, std::uint32_t crc_b, std::uint64_t length_b) {
+  // A's polynomial moves up by the bits of B: times x to the power of 8 length_b, by squaring.
+  std::uint32_t shift = 1u << 31, square = 1u << 23;  // x^0, x^8
+  for (auto left = length_b; left != 0; left >>= 1) {
+    if (left & 1) shift = multiply(shift, square);
+    square = multiply(square, square);
+  }
+  return multiply(shift, crc_a) ^ crc_b;
 }
 
 }  // namespace quadsonde::ingest::mcap

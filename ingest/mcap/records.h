@@ -159,5 +159,7 @@ inline bool has_magic(Bytes bytes, std::uint64_t at) {
 
 /// CRC-32 of zlib, starting from or going on with a value of it.
 std::uint32_t crc32(Bytes bytes, std::uint32_t so_far = 0);
+/// The CRC-32 of bytes A and B behind each other, from those of each and the length of B: no byte is looked at.
+std::uint32_t joined_crc32(std::uint32_t crc_a, std::uint32_t crc_b, std::uint64_t length_b);
 
 }  // namespace quadsonde::ingest::mcap

@@ -8,6 +8,7 @@ namespace quadsonde::ingest::mcap {
 namespace {
 
 using Buffer = WriteBuffer;
+constexpr std::size_t kIndexEntry = 16;  // log time and offset
 
 template <class T>
   requires std::is_arithmetic_v<T>
@@ -85,24 +86,22 @@ Result<std::uint16_t> Writer::add_channel(std::uint16_t schema_id, std::string t
   if (channels_.size() >= 65535) return fail(Kind::limit, "more than 65535 channels");
   if (schema_id > schemas_.size()) return fail(Kind::usage, fmt::format("schema {} was never added", schema_id));
   const auto id = static_cast<std::uint16_t>(channels_.size() + 1);
-  Definition channel;
-  channel.schema_id = schema_id;
+  ChannelState channel;
+  auto& definition = channel.definition;
+  definition.schema_id = schema_id;
   {
-    Open record(channel.record, Op::channel);
-    put(channel.record, id);
-    put(channel.record, schema_id);
-    put(channel.record, std::string_view(topic));
-    put(channel.record, std::string_view(message_encoding));
-    put(channel.record, metadata);
+    Open record(definition.record, Op::channel);
+    put(definition.record, id);
+    put(definition.record, schema_id);
+    put(definition.record, std::string_view(topic));
+    put(definition.record, std::string_view(message_encoding));
+    put(definition.record, metadata);
   }
   channels_.push_back(std::move(channel));
-  channel_messages_.push_back(0);
-  chunk_entries_.emplace_back();
   return id;
 }
 
 void Writer::define(Definition& channel) {
-  if (channel.written) return;
   if (channel.schema_id != 0 && !schemas_[channel.schema_id - 1].written) {
     put(target(), Bytes(schemas_[channel.schema_id - 1].record));
     schemas_[channel.schema_id - 1].written = true;
@@ -111,24 +110,24 @@ void Writer::define(Definition& channel) {
   channel.written = true;
 }
 
-void Writer::count(const Message& message) {
-  first_ = messages_ ? std::min(first_, message.log_time) : message.log_time;
-  last_ = messages_ ? std::max(last_, message.log_time) : message.log_time;
+void Writer::count(const Message& message, ChannelState& channel) {
+  const auto time = message.log_time;
+  first_ = messages_ ? std::min(first_, time) : time;
+  last_ = messages_ ? std::max(last_, time) : time;
   ++messages_;
-  ++channel_messages_[message.channel_id - 1];
+  ++channel.messages;
   if (!settings_.chunked) return;
-  chunk_first_ = chunk_messages_ ? std::min(chunk_first_, message.log_time) : message.log_time;
-  chunk_last_ = chunk_messages_ ? std::max(chunk_last_, message.log_time) : message.log_time;
+  chunk_first_ = chunk_messages_ ? std::min(chunk_first_, time) : time;
+  chunk_last_ = chunk_messages_ ? std::max(chunk_last_, time) : time;
   ++chunk_messages_;
-  if (settings_.message_index) chunk_entries_[message.channel_id - 1].emplace_back(message.log_time, chunk_.size());
+  if (!settings_.message_index) return;
+  const std::uint64_t offset = chunk_.size();
+  auto* const entry = channel.entries.grow(kIndexEntry);
+  std::memcpy(entry, &time, sizeof(time));
+  std::memcpy(entry + sizeof(time), &offset, sizeof(offset));
 }
 
-Result<void> Writer::write(const Message& message) {
-  if (message.channel_id == 0 || message.channel_id > channels_.size())
-    return fail(Kind::usage, fmt::format("channel {} was never added", message.channel_id));
-  define(channels_[message.channel_id - 1]);
-  count(message);
-  auto& out = target();
+void Writer::put_message(const Message& message, WriteBuffer& out) {
   auto* const head = out.grow(kHeadSize + kMessageHead + message.data.size());
   const auto set = [head](std::size_t at, auto number) { std::memcpy(head + at, &number, sizeof(number)); };
   set(0, Op::message);
@@ -138,15 +137,28 @@ Result<void> Writer::write(const Message& message) {
   set(15, message.log_time);
   set(23, message.publish_time);
   if (!message.data.empty()) std::memcpy(head + kHeadSize + kMessageHead, message.data.data(), message.data.size());
-  if (out.size() < settings_.chunk_size) return {};
-  return settings_.chunked ? end_chunk() : flush_direct();
 }
 
-Result<void> Writer::emit(Bytes bytes) {
+Result<void> Writer::write(const Message& message) {
+  if (message.channel_id == 0 || message.channel_id > channels_.size())
+    return fail(Kind::usage, fmt::format("channel {} was never added", message.channel_id));
+  auto& channel = channels_[message.channel_id - 1];
+  if (!channel.definition.written) define(channel.definition);
+  count(message, channel);
+  auto& out = target();
+  put_message(message, out);
+  if (out.size() >= settings_.chunk_size) return settings_.chunked ? end_chunk() : flush_direct();
+  // Not `return {}`: it fills the room of a Problem with zeros, which takes longer than all of the above.
+  Result<void> done;
+  return done;
+}
+
+/// @param crc  of the bytes, where it is known already
+Result<void> Writer::emit(Bytes bytes, std::optional<std::uint32_t> crc) {
   if (failed_ || closed_) return fail(Kind::write_failed, "this log is already closed");
   failed_ = !sink_.write(bytes);
   if (failed_) return fail(Kind::write_failed, "the log cannot be written", {}, "check that the disk has room");
-  if (settings_.data_crc) data_crc_ = crc32(bytes, data_crc_);
+  if (settings_.data_crc) data_crc_ = crc ? joined_crc32(data_crc_, *crc, bytes.size()) : crc32(bytes, data_crc_);
   position_ += bytes.size();
   return {};
 }
@@ -168,7 +180,7 @@ Result<void> Writer::end_chunk() {
   }
   auto done = emit_chunk(records);
   chunk_.clear();
-  for (auto& entries : chunk_entries_) entries.clear();
+  for (auto& channel : channels_) channel.entries.clear();
   chunk_first_ = chunk_last_ = chunk_messages_ = 0;
   return done;
 }
@@ -182,12 +194,14 @@ Result<void> Writer::emit_chunk(Bytes records) {
   put(head, chunk_first_);
   put(head, chunk_last_);
   put(head, std::uint64_t{chunk_.size()});
-  put(head, settings_.chunk_crc ? crc32(chunk_) : std::uint32_t{0});
+  const auto crc = settings_.chunk_crc ? crc32(chunk_) : std::uint32_t{0};
+  put(head, crc);
   put(head, name);
   put(head, std::uint64_t{records.size()});
   const auto start = position_;
   if (auto done = emit(head); !done) return done;
-  if (auto done = emit(records); !done) return done;
+  const bool same_bytes = settings_.chunk_crc && settings_.compression == Compression::none;
+  if (auto done = emit(records, same_bytes ? std::optional(crc) : std::nullopt); !done) return done;
   ++chunks_;
   return emit_message_indexes(start, position_ - start, records.size());
 }
@@ -197,17 +211,15 @@ Result<void> Writer::emit_message_indexes(std::uint64_t chunk_start, std::uint64
   Buffer indexes;
   const auto base = position_;
   std::vector<std::pair<std::uint16_t, std::uint64_t>> offsets;
-  for (std::size_t i = 0; i < chunk_entries_.size(); ++i) {
-    if (chunk_entries_[i].empty()) continue;
+  for (std::size_t i = 0; i < channels_.size(); ++i) {
+    const auto& entries = channels_[i].entries;
+    if (entries.empty()) continue;
     const auto id = static_cast<std::uint16_t>(i + 1);
     offsets.emplace_back(id, base + indexes.size());
     Open record(indexes, Op::message_index);
     put(indexes, id);
-    put(indexes, static_cast<std::uint32_t>(chunk_entries_[i].size() * 16));
-    for (const auto& [time, offset] : chunk_entries_[i]) {
-      put(indexes, time);
-      put(indexes, offset);
-    }
+    put(indexes, static_cast<std::uint32_t>(entries.size()));
+    put(indexes, Bytes(entries));
   }
   if (settings_.chunk_index) {
     Open record(chunk_index_, Op::chunk_index);
@@ -277,19 +289,19 @@ void Writer::summarise_statistics(Buffer& out) const {
   for (const auto number : {used(channels_), attachments_, metadata_, chunks_}) put(out, number);
   put(out, first_);
   put(out, last_);
-  const auto counted = std::ranges::count_if(channel_messages_, [](auto n) { return n > 0; });
+  const auto counted = std::ranges::count_if(channels_, [](const auto& channel) { return channel.messages > 0; });
   put(out, static_cast<std::uint32_t>(counted * 10));
-  for (std::size_t i = 0; i < channel_messages_.size(); ++i) {
-    if (channel_messages_[i] == 0) continue;
+  for (std::size_t i = 0; i < channels_.size(); ++i) {
+    if (channels_[i].messages == 0) continue;
     put(out, static_cast<std::uint16_t>(i + 1));
-    put(out, channel_messages_[i]);
+    put(out, channels_[i].messages);
   }
 }
 
 Result<void> Writer::emit_summary() {
   Buffer schemas, channels, statistics, out, offsets;
   for (const auto& schema : schemas_) put(schemas, Bytes(schema.record));
-  for (const auto& channel : channels_) put(channels, Bytes(channel.record));
+  for (const auto& channel : channels_) put(channels, Bytes(channel.definition.record));
   if (settings_.statistics) summarise_statistics(statistics);
   const auto start = position_;
   const auto group = [&](bool wanted, Op op, const Buffer& records) {
@@ -320,7 +332,8 @@ Result<void> Writer::emit_summary() {
 }
 
 Result<void> Writer::close() {
-  for (auto& channel : channels_) define(channel);
+  for (auto& channel : channels_)
+    if (!channel.definition.written) define(channel.definition);
   for (auto& schema : schemas_) {
     if (!schema.written) put(target(), Bytes(schema.record));
     schema.written = true;

@@ -77,17 +77,22 @@ class Writer {
     WriteBuffer record;
     bool written = false;
   };
-  using Entries = std::vector<std::pair<std::uint64_t, std::uint64_t>>;
+  struct ChannelState {
+    Definition definition;
+    std::uint64_t messages = 0;
+    WriteBuffer entries;  // of the chunk's message index, as they stand in the file
+  };
 
   WriteBuffer& target() { return settings_.chunked ? chunk_ : direct_; }
   void define(Definition& channel);
-  Result<void> emit(Bytes bytes);
+  void put_message(const Message& message, WriteBuffer& out);
+  Result<void> emit(Bytes bytes, std::optional<std::uint32_t> crc = std::nullopt);
   Result<void> flush_direct();
   Result<void> end_chunk();
   Result<void> emit_chunk(Bytes records);
   Result<void> emit_message_indexes(std::uint64_t chunk_start, std::uint64_t chunk_length, std::uint64_t compressed);
   Result<void> emit_summary();
-  void count(const Message& message);
+  void count(const Message& message, ChannelState& channel);
   void summarise_statistics(WriteBuffer& out) const;
 
   Sink& sink_;
@@ -97,15 +102,14 @@ class Writer {
   std::uint64_t position_ = 0;
   std::uint32_t data_crc_ = 0;
 
-  std::vector<Definition> schemas_, channels_;  // by id - 1
+  std::vector<Definition> schemas_;     // by id - 1
+  std::vector<ChannelState> channels_;  // by id - 1
   WriteBuffer chunk_, direct_;
   std::vector<std::uint8_t> packed_;
   std::uint64_t chunk_first_ = 0, chunk_last_ = 0, chunk_messages_ = 0;
-  std::vector<Entries> chunk_entries_;          // by channel id - 1
 
   std::uint64_t messages_ = 0, first_ = 0, last_ = 0;
   std::uint32_t attachments_ = 0, metadata_ = 0, chunks_ = 0;
-  std::vector<std::uint64_t> channel_messages_;  // by channel id - 1
   WriteBuffer chunk_index_, attachment_index_, metadata_index_;
 };
 

@@ -1,4 +1,6 @@
 // What comes out of cut, flipped and malicious files.
+#include <malloc.h>
+
 #include <algorithm>
 
 #include "ingest/mcap/indexed_reader.h"
@@ -265,6 +267,59 @@ TEST(McapDamage, TakesNoMemoryForAClaimedSizeAlone) {
   }
 }
 
+TEST(McapDamage, TakesNoMemoryForAClaimedWindowAlone) {
+  // A zstd frame with a window of 128 MiB and one damaged block.
+  const std::vector<std::uint8_t> few{0x28, 0xB5, 0x2F, 0xFD, 0x00, 17 << 3, 0x45, 0, 0, 1, 2, 3, 4, 5, 6, 7, 8};
+  std::vector<std::uint8_t> out;
+  Decompressor decompressor;
+  const auto before = mallinfo2().hblkhd;
+  EXPECT_FALSE(decompressor.run(Compression::zstd, few, 1000, out));
+  EXPECT_LE(mallinfo2().hblkhd, before + (32u << 20));
+}
+
+TEST(McapDamage, UnpacksWhatIsLargerThanTheUsualWindowIfTheBlocksCanHoldIt) {
+  // Was called damaged: a frame of one segment went the way of pieces if it unpacks to more than 64 times its size, and
+  // there a window of more than 128 MiB is refused.
+  constexpr std::uint32_t kBlocks = 1040, kBlock = 1 << 17;
+  constexpr std::uint32_t kSize = kBlocks * kBlock;
+  std::vector<std::uint8_t> packed{0x28, 0xB5, 0x2F, 0xFD, 0xA0}, out;
+  const auto put = [&](std::uint32_t number, int bytes) {
+    for (; bytes > 0; --bytes, number >>= 8) packed.push_back(static_cast<std::uint8_t>(number));
+  };
+  put(kSize, 4);
+  for (std::uint32_t i = 1; i <= kBlocks; ++i) put(kBlock << 3 | 1 << 1 | (i == kBlocks), 3), put(7, 1);
+  EXPECT_TRUE(Decompressor().run(Compression::zstd, packed, kSize, out));
+  EXPECT_EQ(out.size(), kSize);
+  EXPECT_EQ(out.back(), 7);
+}
+
+TEST(McapDamage, InsideAChunkWithoutCrcIsToldWithTheBytesThatItCosts) {
+  auto writing = chunked(Compression::none);
+  writing.chunk_crc = writing.data_crc = false;
+  auto log = make_log({writing});
+  const auto chunk = chunks_of(log, 12)[1];
+  const auto raw = record_at(log, chunk.begin);
+  const auto records = parse_chunk(raw->content)->records;
+  std::uint64_t at = 0;
+  for (int i = 0; i < 5; ++i) at = record_at(records, at)->end;
+  log[static_cast<std::size_t>(records.data() - log.data()) + at] = 0;
+  const auto read = read_all(log, Reading::tolerant);
+  EXPECT_EQ(read.sound.size(), 12u * 4 + 5);
+  EXPECT_EQ(read.counts.lost, 7u);
+  EXPECT_EQ(read.counts.bytes_given_up, records.size() - at);
+  EXPECT_EQ(read.problems.front().where.byte, chunk.begin);
+  const auto reader = IndexedReader::open(log);
+  for (const auto order : {Order::file, Order::log_time}) {
+    auto cursor = reader->messages({}, order);
+    std::size_t messages = 0;
+    for (Message m; cursor.next(m);) ++messages;
+    EXPECT_EQ(messages, read.sound.size());
+    ASSERT_EQ(cursor.problems().size(), 1u);
+    EXPECT_EQ(cursor.problems()[0].where.byte, chunk.begin);
+    EXPECT_NE(cursor.problems()[0].what.find(fmt::format("{} bytes", records.size() - at)), std::string::npos);
+  }
+}
+
 TEST(McapDamage, SkipsAChunkOfUnknownCompressionAndGoesOn) {
   std::vector<Sample> samples;
   auto log = make_log({chunked(Compression::zstd)}, &samples);
@@ -318,6 +373,21 @@ TEST(McapRecover, RefusesWhatIsNoMcap) {
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().kind, Kind::not_a_log);
   EXPECT_TRUE(sink.bytes().empty());
+}
+
+TEST(McapDamage, InStrictModeGivesTheFirstProblemAlone) {
+  // Found by fuzzing: a message turned into a record of an unknown kind was told twice, as a loss that the statistics
+  // show and as a record that was ignored.
+  auto writing = unchunked();
+  writing.data_crc = false;
+  auto log = make_log({writing});
+  std::uint64_t at = kMagic.size();
+  while (record_at(log, at)->op != Op::message) at = record_at(log, at)->end;
+  log[at] = 0x7F;
+  const auto read = read_all(log, Reading::strict);
+  ASSERT_EQ(read.problems.size(), 1u);
+  EXPECT_EQ(read.problems[0].where.byte, at);
+  EXPECT_EQ(read_all(log, Reading::tolerant).problems.size(), 2u);
 }
 
 }  // namespace

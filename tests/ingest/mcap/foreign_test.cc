@@ -249,6 +249,71 @@ TEST(ForeignMcap, TakesVelocityInEarthAxesFromRosTwists) {
   EXPECT_TRUE(read_mcap(twist("base_link"), "t.mcap")->flights.empty()) << "body axes without an attitude say nothing";
 }
 
+TEST(ForeignMcap, TakesAttitudeAndPlaceFromRosPoses) {
+  const std::string definition = "std_msgs/Header header\ngeometry_msgs/Pose pose\n" + kHeader + kVectors + kLine +
+                                 "\nMSG: geometry_msgs/Pose\nPoint position\nQuaternion orientation\n";
+  const auto pose = [&](const char* frame) {
+    return flight_of(ros_log("geometry_msgs/msg/PoseStamped", definition, "/pose", [&](auto, auto stamp) {
+      return Cdr().header(stamp, frame)(1.0)(2.0)(3.0)(0.0)(0.0)(0.0)(1.0);
+    }));
+  };
+  // REP 103: the unit attitude faces east; in a frame that says NED, north.
+  EXPECT_NEAR(heading(pose("map").attitude.value[0]), M_PI / 2, 1e-12);
+  EXPECT_EQ(pose("map").local_position.value[0], Eigen::Vector3d(2, 1, -3));
+  EXPECT_NEAR(heading(pose("local_ned").attitude.value[0]), 0, 1e-12);
+  EXPECT_EQ(pose("local_ned").local_position.value[0], Eigen::Vector3d(1, 2, 3));
+}
+
+TEST(ForeignMcap, TakesPx4sOwnMessagesInTheirOwnAxesAtTheirOwnTimes) {
+  const auto attitude = flight_of(
+      ros_log("px4_msgs/msg/VehicleAttitude", "uint64 timestamp\nuint64 timestamp_sample\nfloat32[4] q\n",
+              "/fmu/out/vehicle_attitude", [&](auto, auto stamp) {
+                return Cdr()(static_cast<std::uint64_t>(stamp / 1000))(std::uint64_t{0})(0.8f)(0.0f)(0.0f)(0.6f);
+              }));
+  ASSERT_EQ(attitude.attitude.size(), 20u);
+  EXPECT_EQ(attitude.attitude.time[1].ns, kStart + 100'000'000) << "not the arrival, 5 ms later";
+  EXPECT_NEAR(heading(attitude.attitude.value[0]), 2 * std::atan2(0.6, 0.8), 1e-6);
+  const auto local = flight_of(
+      ros_log("px4_msgs/msg/VehicleLocalPosition",
+              "uint64 timestamp\nbool v_xy_valid\nbool v_z_valid\nfloat32 x\nfloat32 y\nfloat32 z\nfloat32 vx\n"
+              "float32 vy\nfloat32 vz\nfloat32 evh\n",
+              "/fmu/out/vehicle_local_position", [&](auto i, auto) {
+                return Cdr()(std::uint64_t{5'000'000})(std::uint8_t(i != 3))(std::uint8_t{1})(1.f)(2.f)(-3.f)(4.f)(5.f)(
+                    -6.f)(0.25f);
+              }));
+  ASSERT_EQ(local.velocity.size(), 19u) << "one is not valid";
+  EXPECT_EQ(local.velocity.value[0], Eigen::Vector3d(4, 5, -6));
+  EXPECT_EQ(local.velocity.origin, VelocityOrigin::fused);
+  EXPECT_EQ(local.velocity.sd, std::vector<double>(19, 0.25));
+  EXPECT_EQ(local.local_position.value[0], Eigen::Vector3d(1, 2, -3));
+  EXPECT_EQ(local.velocity.time[0].ns, kStart + 5'000'000) << "a boot clock is not UTC: the arrival";
+}
+
+TEST(ForeignMcap, ReadsPx4FixesInOldAndNewUnits) {
+  const std::string common = "uint8 fix_type\nfloat32 s_variance_m_s\nfloat32 vel_n_m_s\nfloat32 vel_e_m_s\n"
+                             "float32 vel_d_m_s\nbool vel_ned_valid\n";
+  const auto speeds = [](Cdr cdr, auto i) {
+    return cdr(std::uint8_t(i == 0 ? 2 : 3))(0.5f)(1.f)(2.f)(3.f)(std::uint8_t{1});
+  };
+  const auto old_units = flight_of(
+      ros_log("px4_msgs/msg/SensorGps", "int32 lat\nint32 lon\nint32 alt\nint32 alt_ellipsoid\n" + common, "/gps",
+              [&](auto i, auto) { return speeds(Cdr()(473'000'000)(85'000'000)(430'000)(478'000), i); }));
+  const auto new_units = flight_of(ros_log(
+      "px4_msgs/msg/SensorGps",
+      "float64 latitude_deg\nfloat64 longitude_deg\nfloat64 altitude_msl_m\nfloat64 altitude_ellipsoid_m\n" + common,
+      "/gps", [&](auto i, auto) { return speeds(Cdr()(47.3)(8.5)(430.0)(478.0), i); }));
+  for (const auto* flight : {&old_units, &new_units}) {
+    ASSERT_EQ(flight->position.size(), 19u) << "one has no fix in three dimensions";
+    EXPECT_NEAR(flight->position.value[0].lat_deg, 47.3, 1e-9);
+    EXPECT_NEAR(flight->position.value[0].lon_deg, 8.5, 1e-9);
+    EXPECT_NEAR(flight->height_msl.value[0].m, 430, 1e-9);
+    EXPECT_NEAR(flight->height_ellipsoid.value[0].m, 478, 1e-9);
+    EXPECT_EQ(flight->velocity.value[0], Eigen::Vector3d(1, 2, 3));
+    EXPECT_EQ(flight->velocity.origin, VelocityOrigin::receiver);
+    EXPECT_EQ(flight->velocity.sd[0], 0.5);
+  }
+}
+
 std::vector<std::uint8_t> json_log(const std::string& topic, const std::vector<std::string>& messages) {
   MemorySink sink;
   Writer writer(sink, {});

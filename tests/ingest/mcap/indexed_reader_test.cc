@@ -1,5 +1,7 @@
 #include "ingest/mcap/indexed_reader.h"
 
+#include <malloc.h>
+
 #include <algorithm>
 #include <random>
 
@@ -84,6 +86,44 @@ TEST(McapIndexedReader, HoldsNoMoreThanTheChunksThatOverlap) {
   EXPECT_LE(cursor.peak_bytes(), 2 * largest);
 }
 
+TEST(McapIndexedReader, HoldsNothingForEachMessageOutsideOfChunksWhileTimesRise) {
+  const auto held_by_reader = [](std::uint64_t late_by) {
+    MemorySink sink;
+    Writer writer(sink, unchunked());
+    const auto channel = *writer.add_channel(0, "/one", "json");
+    for (std::uint32_t i = 0; i < 50'000; ++i) {
+      const std::uint64_t time = i == 10'000 ? 10'000 - late_by : i;
+      (void)writer.write({channel, i, time, time, {}});
+    }
+    (void)writer.close();
+    const auto held = [] { return mallinfo2().uordblks + mallinfo2().hblkhd; };
+    const auto before = held();
+    const auto reader = IndexedReader::open(sink.bytes());
+    const auto after = held();
+    auto cursor = reader->messages();
+    std::uint64_t count = 0, last = 0;
+    for (Message m; cursor.next(m); last = m.log_time, ++count) EXPECT_GE(m.log_time, last);
+    EXPECT_EQ(count, 50'000u);
+    return after - std::min(before, after);
+  };
+  EXPECT_LT(held_by_reader(0), 50'000u);
+  // 16 bytes from the first inversion on, in a list that grows twofold.
+  EXPECT_LT(held_by_reader(5), 2 * 16 * 40'000u + 50'000u);
+}
+
+TEST(McapIndexedReader, TakesAChunkAsItIsIfNoCrcIsAskedFor) {
+  auto log = make_log({chunked(Compression::none)});
+  log[chunks_of(log, 12)[2].end - 3] ^= 0x01;
+  for (const bool check_crc : {true, false}) {
+    const auto reader = IndexedReader::open(log, {Reading::tolerant, check_crc, 1u << 20, "log.mcap"});
+    auto cursor = reader->messages();
+    std::size_t count = 0;
+    for (Message m; cursor.next(m);) ++count;
+    EXPECT_EQ(count, check_crc ? 48u : 60u);
+    EXPECT_EQ(cursor.problems().size(), check_crc ? 1u : 0u);
+  }
+}
+
 TEST(McapIndexedReader, UnpacksOnlyChunksThatMayHoldWhatIsAskedFor) {
   std::vector<Sample> samples;
   auto log = make_log({chunked(Compression::zstd)}, &samples);
@@ -112,6 +152,11 @@ TEST(McapIndexedReader, ReadsACutFileByWalkingOverIt) {
   EXPECT_FALSE(reader->problems().empty());
 }
 
+/// Takes the CRC out of the footer.
+void drop_summary_crc(std::vector<std::uint8_t>& log) {
+  std::fill_n(log.end() - static_cast<std::ptrdiff_t>(kMagic.size()) - 4, 4, std::uint8_t{0});
+}
+
 TEST(McapIndexedReader, FindsWhatAFalseIndexEntryMissesAndSaysThatItIsFalse) {
   auto log = make_log({chunked(Compression::none)});
   // The summary's CRC is taken out, and the offset of the first metadata record is moved.
@@ -120,12 +165,109 @@ TEST(McapIndexedReader, FindsWhatAFalseIndexEntryMissesAndSaysThatItIsFalse) {
   std::uint64_t at = summary->footer.summary_start;
   while (static_cast<Op>(log[at]) != Op::metadata_index) at = record_at(log, at)->end;
   log[at + kHeadSize] ^= 1;
-  for (int i = 0; i < 4; ++i) log[log.size() - kMagic.size() - 4 + static_cast<std::size_t>(i)] = 0;
+  drop_summary_crc(log);
   const auto reader = IndexedReader::open(log);
   ASSERT_TRUE(reader);
   EXPECT_EQ(reader->summary().metadata.size(), 5u);
   ASSERT_EQ(reader->problems().size(), 1u);
   EXPECT_EQ(reader->problems()[0].kind, Kind::doubtful);
+}
+
+TEST(McapIndexedReader, FindsWhatStandsWhereAFalseLengthPutsMessageIndexes) {
+  auto writing = chunked(Compression::none);
+  writing.attachment_index = false;
+  auto log = make_log({writing});
+  const auto summary = read_summary(log);
+  std::uint64_t at = summary->footer.summary_start, last = 0;
+  for (; at < log.size() - kTailSize; at = record_at(log, at)->end)
+    if (static_cast<Op>(log[at]) == Op::chunk_index) last = at;
+  const auto index = *parse_chunk_index(record_at(log, last)->content);
+  const auto length = last + kHeadSize + 4 * 8 + 4 + 10 * index.message_index_offsets.size();
+  log[length + 2] = 1;  // 64 KiB more, beyond the attachment
+  EXPECT_TRUE(IndexedReader::open(log)->problems().size() == 1u) << "the CRC is believed, and differs";
+  drop_summary_crc(log);
+  const auto reader = IndexedReader::open(log);
+  EXPECT_TRUE(reader->has_index());
+  EXPECT_EQ(reader->summary().attachments.size(), 1u);
+}
+
+TEST(McapIndexedReader, GivesAChunkOnceThatTheIndexNamesTwice) {
+  std::vector<Sample> samples;
+  auto log = make_log({chunked(Compression::none)}, &samples);
+  const auto summary = read_summary(log);
+  std::vector<std::uint64_t> entries;
+  for (auto at = summary->footer.summary_start; at < log.size() - kTailSize; at = record_at(log, at)->end)
+    if (static_cast<Op>(log[at]) == Op::chunk_index) entries.push_back(at);
+  // The second entry becomes the third once more; the chunk that it meant is found by the walk.
+  std::copy_n(log.begin() + static_cast<std::ptrdiff_t>(entries[2]), entries[2] - entries[1],
+              log.begin() + static_cast<std::ptrdiff_t>(entries[1]));
+  drop_summary_crc(log);
+  const auto reader = IndexedReader::open(log);
+  ASSERT_TRUE(reader->has_index());
+  EXPECT_EQ(taken(*reader, {}, Order::file), samples);
+  EXPECT_EQ(reader->problems().size(), 1u);
+}
+
+TEST(McapIndexedReader, TellsWhereADamagedRecordStandsThatNoIndexCovers) {
+  auto writing = unchunked();
+  writing.metadata_index = false;
+  auto log = make_log({writing});
+  std::uint64_t at = kMagic.size();
+  while (record_at(log, at)->op != Op::metadata) at = record_at(log, at)->end;
+  log[at + kHeadSize + 3] = 0xFF;  // of the length of its name
+  const auto reader = IndexedReader::open(log);
+  ASSERT_EQ(reader->problems().size(), 1u);
+  EXPECT_EQ(reader->problems()[0].where.byte, at);
+  EXPECT_EQ(taken(*reader, {}, Order::file).size(), 60u);
+}
+
+TEST(McapIndexedReader, TellsWhereAMessageStandsThatIsOnNoChannel) {
+  for (const bool rising : {true, false}) {
+    auto log = make_log({unchunked()});
+    std::uint64_t at = kMagic.size();
+    for (int i = 0; i < 40; at = record_at(log, at)->end) i += record_at(log, at)->op == Op::message;
+    log[at + kHeadSize + 1] = 0xFF;
+    if (!rising) log[record_at(log, at)->end + kHeadSize + 6 + 1] = 0;  // the next one is early
+    const auto reader = IndexedReader::open(log);
+    for (const auto order : {Order::file, Order::log_time}) {
+      auto cursor = reader->messages({}, order);
+      std::size_t messages = 0;
+      std::uint64_t time = 0;
+      for (Message m; cursor.next(m); ++messages) {
+        EXPECT_TRUE(order == Order::file || m.log_time >= time);
+        time = m.log_time;
+      }
+      EXPECT_EQ(messages, 59u);
+      ASSERT_EQ(cursor.problems().size(), 1u);
+      EXPECT_EQ(cursor.problems()[0].where.byte, at);
+    }
+  }
+}
+
+TEST(McapIndexedReader, TellsOfAMessageShorterThanItsHeadInAChunkOutOfOrder) {
+  std::vector<std::uint8_t> log;
+  const auto put = [&log](auto number) {
+    const auto* bytes = reinterpret_cast<const std::uint8_t*>(&number);
+    log.insert(log.end(), bytes, bytes + sizeof(number));
+  };
+  const auto put_op = [&](Op op, std::uint64_t length) { put(op), put(length); };
+  constexpr std::uint64_t kChannel = 2 + 2 + 4 + 4 + 4, kRecords = 4 * kHeadSize + kChannel + 2 * kMessageHead + 3;
+  log.assign(kMagic.begin(), kMagic.end());
+  put_op(Op::header, 8), put(std::uint64_t{0});
+  const auto chunk = log.size();
+  put_op(Op::chunk, 3 * 8 + 4 + 4 + 8 + kRecords);
+  put(std::uint64_t{10}), put(std::uint64_t{20}), put(kRecords), put(std::uint64_t{0}), put(kRecords);
+  put_op(Op::channel, kChannel), put(std::uint16_t{1}), put(std::uint16_t{0}), put(std::uint64_t{0}), put(0);
+  for (const std::uint64_t time : {20u, 10u})
+    put_op(Op::message, kMessageHead), put(std::uint16_t{1}), put(0), put(time), put(time);
+  put_op(Op::message, 3), put(std::uint16_t{1}), put(std::uint8_t{0});
+  const auto reader = IndexedReader::open(log);
+  auto cursor = reader->messages();
+  std::vector<std::uint64_t> times;
+  for (Message m; cursor.next(m);) times.push_back(m.log_time);
+  EXPECT_EQ(times, (std::vector<std::uint64_t>{10, 20}));
+  ASSERT_EQ(cursor.problems().size(), 1u);
+  EXPECT_EQ(cursor.problems()[0].where.byte, chunk);
 }
 
 TEST(McapIndexedReader, ChecksTheCrcOfAttachments) {

@@ -80,6 +80,15 @@ TEST(McapWriter, SaysThatTheSinkIsFullAndStaysFailed) {
   EXPECT_EQ(writer.close().error().kind, Kind::write_failed);
 }
 
+TEST(Crc32, OfTwoPartsIsJoinedFromThoseOfEach) {
+  std::vector<std::uint8_t> bytes(70'001);
+  for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = static_cast<std::uint8_t>(i * 7919 >> 5);
+  for (const std::size_t cut : {0u, 1u, 17u, 65'536u, 70'000u, 70'001u}) {
+    const auto a = Bytes(bytes).first(cut), b = Bytes(bytes).subspan(cut);
+    EXPECT_EQ(joined_crc32(crc32(a), crc32(b), b.size()), crc32(bytes)) << cut;
+  }
+}
+
 TEST(MappedFile, HoldsTheBytesOfAFileAndNamesOneThatIsNotThere) {
   const support::TemporaryFolder folder;
   support::write_bytes(folder / "a", {1, 2, 3});
