@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "export/pipeline/check.h"
+#include "profiles/air_levels.h"
 #include "export/sha256.h"
 
 namespace quadsonde::product {
@@ -124,12 +126,25 @@ void add_check(FlightAnswer& answer, const ingest::Vehicle& vehicle, const std::
   add_once(answer.source.problems, {*verdict_problem(*answer.check, file)});
 }
 
+/// A drift of more than half a bin is taken off, but not in silence: evenly in time is an assumption.
+void add_drift(FlightAnswer& answer, double bin_m) {
+  const auto& drift = answer.part.drift;
+  if (!drift || std::abs(drift->metres) <= bin_m / 2) return;
+  estimator::Reasons reasons;
+  reasons.add(estimator::Reason::height_drift);
+  estimator::add_to_all(answer.series, reasons);
+  add_once(answer.source.problems, {{Kind::doubtful, drift_words(*drift), {answer.source.file, {}, {}, {}},
+                                     "trust heights in the middle of the flight to half of that only"}});
+}
+
 void add_profile(FlightAnswer& answer, const PipelineSettings& settings) {
+  add_drift(answer, settings.profile.bin_m);
   auto profile = profiles::make_profile(answer.series, settings.profile);
   if (!profile) {
     answer.no_profile = profile.error();
     return;
   }
+  profiles::fill_air(*profile, answer.series, answer.part.airborne());
   add_once(answer.source.problems, profile->problems);
   answer.no_profile = keep_legs(*profile, settings.leg.leg);
   if (!answer.no_profile) answer.profile = std::move(*profile);
@@ -192,6 +207,10 @@ ingest::Result<FlightAnswer> analyse(const LoadedLog& log, const FlightPart& par
   answer.product = settings.product;
   answer.source = {answer.title.file, log.sha256, part.number, vehicle.vehicle, named_settings(settings), {}};
   answer.source.made_heights = part.made_heights;
+  if (part.drift) {
+    auto& heights = answer.source.made_heights;
+    heights += (heights.empty() ? "" : "; ") + drift_words(*part.drift);
+  }
   answer.source.vehicle_sha256 = vehicle.sha256;
   if (!vehicle.sha256.empty()) answer.source.vehicle_file = std::filesystem::path(vehicle.from).filename().string();
   auto& problems = answer.source.problems;

@@ -60,12 +60,39 @@ bool tilt_wanders(const Flight& flight, ingest::LogTime from, ingest::LogTime to
   return any;
 }
 
+/// No ground speed above what receiver noise makes of a parked vehicle, and at least one sample of it.
+bool slow(const Flight& flight, ingest::LogTime from, ingest::LogTime to) {
+  bool any = false;
+  for (auto i = ingest::last_at_or_before(flight.velocity, from) + 1;
+       i < static_cast<std::ptrdiff_t>(flight.velocity.size()); ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    if (flight.velocity.time[k] > to) break;
+    if (flight.velocity.value[k].norm() > 0.6) return false;
+    any = true;
+  }
+  return any;
+}
+
 /// A hover that was cut out of a longer log shows neither take-off nor ground: what looks like standing still is not.
 std::optional<ingest::Segment> whole_log_in_air(const Flight& flight) {
   if (!flight.landed.empty() || flight.velocity.size() < 2) return std::nullopt;
   const ingest::Segment whole{flight.velocity.time.front(), flight.velocity.time.back(), true, true};
   const bool long_enough = ingest::to_seconds(whole.to - whole.from) >= ingest::SegmentSettings{}.min_duration;
   return long_enough && tilt_wanders(flight, whole.from, whole.to) ? std::optional(whole) : std::nullopt;
+}
+
+/// A barometer that drifted shows a parked vehicle metres above the ground: where it stands as still as only the ground
+/// lets it to the end of its segment, it has landed when that began.
+void end_where_it_stands(const Flight& flight, ingest::Segment& segment) {
+  if (!flight.landed.empty()) return;
+  const auto window = ingest::seconds(5);
+  auto stands_from = segment.to;
+  while (stands_from - window > segment.from && !tilt_wanders(flight, stands_from - window, stands_from) &&
+         slow(flight, stands_from - window, stands_from))
+    stands_from = stands_from - window;
+  if (stands_from == segment.to) return;
+  segment.to = stands_from;
+  segment.ends_in_air = false;
 }
 
 /// A moment at the lowest height of a log is a landing only if the vehicle is seen to stay there: logs end in the
@@ -113,6 +140,7 @@ void add_parts(LoadedLog& log, const std::shared_ptr<const Flight>& boot, const 
   const auto file = log.path.string();
   auto segments = ingest::airborne_segments(*boot);
   std::vector<Problem> problems = boot->problems;
+  for (auto& segment : segments) end_where_it_stands(*boot, segment);
   doubt_short_stands(*boot, segments);
   if (segments.empty())
     if (const auto whole = whole_log_in_air(*boot)) {
@@ -131,6 +159,7 @@ void add_parts(LoadedLog& log, const std::shared_ptr<const Flight>& boot, const 
     part.share_to =
         i + 1 < segments.size() ? half_way(segments[i].to, segments[i + 1].from) : ingest::LogTime{INT64_MAX};
     part.takeoff = ingest::takeoff_height(*boot, segments[i]);
+    part.drift = find_height_drift(*boot, segments[i]);
     if (!part.takeoff && settings.takeoff_msl_m) part.takeoff = ingest::MslHeight{*settings.takeoff_msl_m};
     part.problems = problems;
     part.made_heights = made_heights;
@@ -184,6 +213,7 @@ ingest::Result<void> read_file(LoadedLog& log, const InputSettings& settings) {
 
 Flight FlightPart::airborne() const {
   auto flight = ingest::cut(*boot, segment.from, segment.to);
+  if (drift) take_off_drift(flight, *drift);
   if (!flight.height_msl.empty()) return flight;
   make_ground_height(flight, boot->height_ellipsoid, segment, [](ingest::EllipsoidHeight h) { return h.m; });
   make_ground_height(flight, boot->local_position, segment, [](const Eigen::Vector3d& p) { return -p.z(); });

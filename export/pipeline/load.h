@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "export/pipeline/control.h"
+#include "export/pipeline/height_drift.h"
 #include "export/pipeline/settings.h"
 #include "ingest/flight/flight.h"
 #include "ingest/flight/segments.h"
@@ -19,13 +20,14 @@ struct FlightPart {
   ingest::Segment segment;
   ingest::LogTime share_from, share_to;  ///< its share of the boot: up to half way to its neighbours
   std::optional<ingest::MslHeight> takeoff;
+  std::optional<HeightDrift> drift;       ///< what airborne() takes off the heights
   std::vector<ingest::Problem> problems;  ///< of this boot and of this flight
   /// How heights above the sea were made, where the log has only such above the ellipsoid: from which stream, by which
   /// geoid.
   std::string made_heights;
 
   double duration_s() const { return ingest::to_seconds(segment.to - segment.from); }
-  /// Only what was measured in the air. Where the log has heights above the ellipsoid or of the local frame only, and
+  /// Only what was measured in the air, a drift of the height taken off. Where the log has heights above the ellipsoid or of the local frame only, and
   /// take-off or landing was seen, the height above take-off is made of them.
   ingest::Flight airborne() const;
   /// With what stands before take-off and after landing: the take-off height can be found in it again.

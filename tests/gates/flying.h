@@ -46,6 +46,13 @@ using Adjust = std::function<void(int seed, EstimateSettings&, ingest::Vehicle&)
 Mean fly(const std::function<ingest::Scenario(int)>& scenario, int seeds, std::optional<double> latency_told,
          const Adjust& adjust = {}, const std::vector<Mode>& modes = {Mode::smoothed, Mode::causal, Mode::classic});
 
+/// The rigid body's drag by calibrate_tunnel: five runs, one turn of 60 s each.
+ingest::Result<ingest::Vehicle> tunnel_vehicle();
+/// A flight by the rigid body with heading error and trim drawn from the sds that the filter is given.
+ingest::Scenario drawn_errors(ingest::Scenario scenario, int seed);
+/// The tunnel's vehicle, its drag off by the spread between flights, as the filter is told.
+void told_to_filter(const ingest::Vehicle& tunnel, int seed, EstimateSettings& settings, ingest::Vehicle& vehicle);
+
 // The groups of gates; fewer seeds in the reduced form.
 void step_gates(int seeds);
 void point_mass_gates(int seeds);

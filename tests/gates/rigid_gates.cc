@@ -9,11 +9,8 @@
 #include "tests/gates/scenarios.h"
 
 namespace quadsonde::gates {
-namespace {
-
 using ingest::Vehicle;
 
-/// Five runs in front of a wind generator, one turn of 60 s each, by the rigid body.
 ingest::Result<Vehicle> tunnel_vehicle() {
   std::vector<estimator::TunnelRun> runs;
   for (const double speed : {0.0, 2.0, 4.0, 6.0, 8.0}) {
@@ -47,9 +44,13 @@ ingest::Result<Vehicle> tunnel_vehicle() {
   return vehicle;
 }
 
+namespace {
+
 constexpr double heading_sd_deg = 2;
 /// What a calibrated trim may have moved until the next flight; the filter adds as much (trim_covariance).
 constexpr double trim_move_deg = 0.3;
+
+}  // namespace
 
 ingest::Scenario drawn_errors(ingest::Scenario s, int seed) {
   ingest::Gaussian draw(static_cast<std::uint64_t>(seed) + 5000);
@@ -59,16 +60,22 @@ ingest::Scenario drawn_errors(ingest::Scenario s, int seed) {
   return rigid(std::move(s));
 }
 
+void told_to_filter(const Vehicle& tunnel, int seed, EstimateSettings& settings, Vehicle& v) {
+  ingest::Gaussian draw(static_cast<std::uint64_t>(seed) + 6000);
+  const double factor = 1 + tunnel.between_flights_rel_sd * draw();
+  v = tunnel;
+  v.drag.linear *= factor;
+  v.drag.quadratic *= factor;
+  settings.heading_sd_deg = heading_sd_deg;
+}
+
+namespace {
+
 void rigid_gate(const std::string& name, const std::function<ingest::Scenario()>& scenario, const Vehicle& tunnel,
                 int seeds) {
   const auto m = fly([&](int seed) { return drawn_errors(scenario(), seed); }, seeds, std::nullopt,
                      [&](int seed, EstimateSettings& settings, Vehicle& v) {
-                       ingest::Gaussian draw(static_cast<std::uint64_t>(seed) + 6000);
-                       const double factor = 1 + tunnel.between_flights_rel_sd * draw();
-                       v = tunnel;
-                       v.drag.linear *= factor;
-                       v.drag.quadratic *= factor;
-                       settings.heading_sd_deg = heading_sd_deg;
+                       told_to_filter(tunnel, seed, settings, v);
                      });
   told(name + "RMSE smoothed", m.smoothed.rmse, m.rmse());
   told(name + "RMSE 10 s", m.smoothed.rmse_10s, m.rmse_10s());
