@@ -246,7 +246,8 @@ Result<Archive> Archive::open_or_create(const fs::path& root, ArchiveSettings se
   auto& folder = archive.folder_;
   if (!folder.is_file(archive_marker)) {
     const auto names = folder.names("");
-    if (!std::all_of(names.begin(), names.end(), is_archives_own))
+    // Asked again: another process may have made the archive, marker first, and begun to fill it between the two looks.
+    if (!std::all_of(names.begin(), names.end(), is_archives_own) && !folder.is_file(archive_marker))
       return not_an_archive(root, "this folder is no archive, and it is not empty");
     auto lock = folder.lock_to_write(settings.stopped);
     if (!lock) return fail(lock.error());

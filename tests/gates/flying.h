@@ -50,7 +50,8 @@ Mean fly(const std::function<ingest::Scenario(int)>& scenario, int seeds, std::o
 ingest::Result<ingest::Vehicle> tunnel_vehicle();
 /// A flight by the rigid body with heading error and trim drawn from the sds that the filter is given.
 ingest::Scenario drawn_errors(ingest::Scenario scenario, int seed);
-/// The tunnel's vehicle, its drag off by the spread between flights, as the filter is told.
+/// The tunnel's vehicle as the filter is told: its drag off by the spread between flights; the climb law the simulator's.
+/// @param vehicle  as flown; overwritten
 void told_to_filter(const ingest::Vehicle& tunnel, int seed, EstimateSettings& settings, ingest::Vehicle& vehicle);
 
 // The groups of gates; fewer seeds in the reduced form.

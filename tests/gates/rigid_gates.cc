@@ -63,9 +63,18 @@ ingest::Scenario drawn_errors(ingest::Scenario s, int seed) {
 void told_to_filter(const Vehicle& tunnel, int seed, EstimateSettings& settings, Vehicle& v) {
   ingest::Gaussian draw(static_cast<std::uint64_t>(seed) + 6000);
   const double factor = 1 + tunnel.between_flights_rel_sd * draw();
+  const Vehicle flown = v;
   v = tunnel;
   v.drag.linear *= factor;
   v.drag.quadratic *= factor;
+  // The tunnel tells nothing of the climb law. With its prior the intervals would hold far too often, since the rigid
+  // body's own law lies at the prior's mean: it is told as the body's trim shows it, with the misfit of the law.
+  v.drag.climb_linear = flown.drag.climb_linear;
+  v.drag.climb_quadratic = flown.drag.climb_quadratic;
+  v.covariance.middleRows<2>(ingest::p_climb_linear).setZero();
+  v.covariance.middleCols<2>(ingest::p_climb_linear).setZero();
+  v.covariance.block<2, 2>(ingest::p_climb_linear, ingest::p_climb_linear) =
+      flown.covariance.block<2, 2>(ingest::p_climb_linear, ingest::p_climb_linear);
   settings.heading_sd_deg = heading_sd_deg;
 }
 

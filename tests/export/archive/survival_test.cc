@@ -67,7 +67,10 @@ pid_t start_adding(const fs::path& root, int from, int to, int pipe, const Archi
     auto archive = Archive::open_or_create(root, settings);
     const auto added = archive ? archive->add({candidates(0)[static_cast<std::size_t>(i)]})
                                : ingest::Result<std::vector<Added>>(ingest::fail(archive.error()));
-    if (!added) ++failures;
+    if (!added) {
+      ++failures;
+      if (!fault && !file_size) std::fprintf(stderr, "add %d: %s\n", i, ingest::to_string(added.error()).c_str());
+    }
     if (added && ::write(pipe, &i, sizeof i) != sizeof i) ::_exit(99);
   }
   ::_exit(failures ? 1 : 0);
