@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "export/pipeline/check.h"
+#include "export/pipeline/problems.h"
 #include "profiles/air_levels.h"
 #include "export/sha256.h"
 
@@ -40,14 +41,6 @@ struct Collector {
     settings.push_back({name, value ? SettingValue(*value) : SettingValue()});
   }
 };
-
-bool same(const Problem& a, const Problem& b) { return ingest::to_string(a) == ingest::to_string(b); }
-
-void add_once(std::vector<Problem>& all, const std::vector<Problem>& more) {
-  for (const auto& problem : more)
-    if (std::none_of(all.begin(), all.end(), [&](const Problem& p) { return same(p, problem); }))
-      all.push_back(problem);
-}
 
 FlightTitle title_of(const LoadedLog& log, const FlightPart& part) {
   FlightTitle title;
@@ -84,9 +77,9 @@ bool has_wind(const estimator::WindSeries& series) {
                      [](const auto& p) { return std::holds_alternative<estimator::WindEstimate>(p.wind); });
 }
 
-ingest::Result<void> add_series(FlightAnswer& answer, const ingest::Vehicle& vehicle, const PipelineSettings& settings,
-                                bool classic) {
-  const auto flight = answer.part.airborne();
+/// @param flight  the airborne part, cut once for every stage
+ingest::Result<void> add_series(FlightAnswer& answer, const ingest::Flight& flight, const ingest::Vehicle& vehicle,
+                                const PipelineSettings& settings, bool classic) {
   auto estimate = settings.estimate;
   estimate.takeoff = answer.part.takeoff;
   auto series = estimator::estimate_wind(flight, vehicle, estimate);
@@ -113,8 +106,9 @@ void add_comparison(FlightAnswer& answer, const std::vector<ReferenceFile>& refe
 
 /// A log that contradicts itself gives numbers that nobody should use: they are `bad`, each with that reason. That a
 /// flight cannot show its consistency is no fault of it.
-void add_check(FlightAnswer& answer, const ingest::Vehicle& vehicle, const std::string& file) {
-  auto report = ingest::check_consistency(answer.part.airborne(), ingest::drag_arguments(vehicle));
+void add_check(FlightAnswer& answer, const ingest::Flight& flight, const ingest::Vehicle& vehicle,
+               const std::string& file) {
+  auto report = ingest::check_consistency(flight, ingest::drag_arguments(vehicle));
   if (!report) return;
   answer.check = std::move(*report);
   estimator::Reasons reasons;
@@ -123,7 +117,7 @@ void add_check(FlightAnswer& answer, const ingest::Vehicle& vehicle, const std::
   if (reasons.empty()) return;
   estimator::add_to_all(answer.series, reasons);
   if (answer.classic) estimator::add_to_all(*answer.classic, reasons);
-  add_once(answer.source.problems, {*verdict_problem(*answer.check, file)});
+  add_once(answer.source.problems, *verdict_problem(*answer.check, file));
 }
 
 /// A drift of more than half a bin is taken off, but not in silence: evenly in time is an assumption.
@@ -137,14 +131,14 @@ void add_drift(FlightAnswer& answer, double bin_m) {
                                      "trust heights in the middle of the flight to half of that only"}});
 }
 
-void add_profile(FlightAnswer& answer, const PipelineSettings& settings) {
+void add_profile(FlightAnswer& answer, const ingest::Flight& flight, const PipelineSettings& settings) {
   add_drift(answer, settings.profile.bin_m);
   auto profile = profiles::make_profile(answer.series, settings.profile);
   if (!profile) {
     answer.no_profile = profile.error();
     return;
   }
-  profiles::fill_air(*profile, answer.series, answer.part.airborne());
+  profiles::fill_air(*profile, answer.series, flight);
   add_once(answer.source.problems, profile->problems);
   answer.no_profile = keep_legs(*profile, settings.leg.leg);
   if (!answer.no_profile) answer.profile = std::move(*profile);
@@ -229,18 +223,19 @@ ingest::Result<FlightAnswer> analyse(const LoadedLog& log, const FlightPart& par
                          {log.path.string(), {}, {}, {}},
                          "give the log of a real flight"}});
   control.report("estimating the wind", 0.3);
-  if (auto done = add_series(answer, vehicle.vehicle, settings, wanted.classic); !done) {
+  const auto flight = part.airborne();
+  if (auto done = add_series(answer, flight, vehicle.vehicle, settings, wanted.classic); !done) {
     auto problem = control.stopped() ? stopped_problem() : done.error();
     if (problem.where.file.empty()) problem.where.file = log.path.string();
     return fail(std::move(problem));
   }
   if (settings.trust.check) {
     control.report("checking the telemetry", 0.6);
-    add_check(answer, vehicle.vehicle, log.path.string());
+    add_check(answer, flight, vehicle.vehicle, log.path.string());
     if (control.stopped()) return fail(stopped_problem());
   }
   control.report("making the profile", 0.8);
-  if (wanted.profile) add_profile(answer, settings);
+  if (wanted.profile) add_profile(answer, flight, settings);
   if (wanted.references && !wanted.references->empty()) add_comparison(answer, *wanted.references, wanted.reference);
   if (control.stopped()) return fail(stopped_problem());
   return answer;

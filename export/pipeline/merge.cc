@@ -2,22 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-
+#include "export/pipeline/problems.h"
 #include "export/sha256.h"
 
 namespace quadsonde::product {
-namespace {
-
-void add_new(std::vector<ingest::Problem>& all, const std::vector<ingest::Problem>& more) {
-  for (const auto& problem : more) {
-    const auto text = ingest::to_string(problem);
-    if (std::none_of(all.begin(), all.end(), [&](const auto& p) { return ingest::to_string(p) == text; }))
-      all.push_back(problem);
-  }
-}
-
-}  // namespace
 
 ingest::Result<FlightAnswer> merge_answers(const std::vector<const FlightAnswer*>& answers) {
   std::vector<const profiles::WindProfile*> all;
@@ -41,9 +29,9 @@ ingest::Result<FlightAnswer> merge_answers(const std::vector<const FlightAnswer*
     if (answer->title.flights > 1) out.source.file += fmt::format(" ({})", answer->title.flight);
     fingerprints += answer->source.sha256 + fmt::format(" {}\n", answer->source.flight);
     flown += answer->title.duration_s;
-    add_new(out.source.problems, answer->source.problems);
+    add_once(out.source.problems, answer->source.problems);
   }
-  add_new(out.source.problems, merged->profile.problems);
+  add_once(out.source.problems, merged->profile.problems);
   out.source.sha256 = sha256_hex(ingest::as_bytes(fingerprints));
   out.title.file = fmt::format("{} flights merged ({})", answers.size(), out.source.file);
   out.title.flight = out.title.flights = 1;

@@ -8,6 +8,7 @@
 #include "export/csv/numbers.h"
 #include "export/mcap/foxglove_layout.h"
 #include "export/pipeline/netcdf.h"
+#include "export/pipeline/problems.h"
 #include "export/pipeline/render.h"
 #include "export/version.h"
 
@@ -41,12 +42,6 @@ ingest::Result<void> check_free(const std::filesystem::path& folder) {
       return fail(Kind::usage, "the result of an earlier run is already there", {(folder / name).string(), {}, {}, {}},
                   "name another folder with -o or allow overwriting with --force");
   return {};
-}
-
-void add_once(std::vector<Problem>& all, const Problem& problem) {
-  for (const auto& known : all)
-    if (ingest::to_string(known) == ingest::to_string(problem)) return;
-  all.push_back(problem);
 }
 
 FlightProducts products_of(const FlightAnswer& answer) {

@@ -15,6 +15,15 @@ std::string point_list(const std::vector<std::pair<double, double>>& points) {
 
 }  // namespace
 
+Markup::Scope open_picture(Markup& svg, double width, double height) {
+  return svg.element("svg", {{"xmlns", "http://www.w3.org/2000/svg"},
+                             {"viewBox", fmt::format("0 0 {} {}", width, height)},
+                             {"width", width},
+                             {"height", height},
+                             {"role", "img"},
+                             {"font-family", font_family}});
+}
+
 void draw_text(Markup& svg, double x, double y, std::string_view text, double size, const char* fill,
                const char* anchor, bool bold) {
   svg.leaf("text", text,

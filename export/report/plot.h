@@ -35,6 +35,8 @@ struct Mark {
   double low = 0, high = 0;  ///< of the band, along the axis that `Band` tells
 };
 
+/// The root of a picture of this size [px]; it ends where the scope does.
+[[nodiscard]] Markup::Scope open_picture(Markup& svg, double width, double height);
 void draw_text(Markup& svg, double x, double y, std::string_view text, double size, const char* fill = colour::black,
                const char* anchor = "start", bool bold = false);
 /// Frame, grid and tick labels; y labels only where asked, so that two panels can share a height axis.

@@ -409,12 +409,7 @@ void draw_panels(Markup& svg, const WindProfile& profile, const std::vector<Draw
 std::string profile_svg(const WindProfile& profile, const ProfilePicture& picture) {
   Markup svg;
   {
-    const auto root = svg.element("svg", {{"xmlns", "http://www.w3.org/2000/svg"},
-                                          {"viewBox", fmt::format("0 0 {} {}", width, height)},
-                                          {"width", width},
-                                          {"height", height},
-                                          {"role", "img"},
-                                          {"font-family", font_family}});
+    const auto root = open_picture(svg, width, height);
     svg.leaf("title", "Wind profile of " + title_text(picture.title));
     svg.empty("rect", {{"width", width}, {"height", height}, {"fill", "#ffffff"}});
     const auto legs = legs_to_draw(profile);

@@ -48,12 +48,7 @@ std::pair<std::string, Pen> legend_of_ours(const WindSeries& series) {
 
 Markup::Scope open_time_picture(Markup& svg, double height, std::string_view heading, const FlightTitle& title) {
   constexpr double width = 900;
-  auto root = svg.element("svg", {{"xmlns", "http://www.w3.org/2000/svg"},
-                                  {"viewBox", fmt::format("0 0 {} {}", width, height)},
-                                  {"width", width},
-                                  {"height", height},
-                                  {"role", "img"},
-                                  {"font-family", font_family}});
+  auto root = open_picture(svg, width, height);
   svg.leaf("title", fmt::format("{} of {}", heading, title_text(title)));
   svg.empty("rect", {{"width", width}, {"height", height}, {"fill", "#ffffff"}});
   draw_text(svg, 24, 34, heading, 19, colour::black, "start", true);

@@ -170,12 +170,7 @@ std::string tunnel_tilt_svg(const TunnelCalibration& calibration) {
   const double height = first_top + rows * row_height;
   Markup svg;
   {
-    const auto root = svg.element("svg", {{"xmlns", "http://www.w3.org/2000/svg"},
-                                          {"viewBox", fmt::format("0 0 {} {}", width, height)},
-                                          {"width", width},
-                                          {"height", height},
-                                          {"role", "img"},
-                                          {"font-family", font_family}});
+    const auto root = open_picture(svg, width, height);
     begin_picture(svg, height, "Tilt against heading, run by run", vehicle_line(calibration));
     draw_tilt_legend(svg);
     for (std::size_t i = 0; i < calibration.runs.size(); ++i) {
@@ -195,12 +190,7 @@ std::string tunnel_drag_svg(const TunnelCalibration& calibration) {
   constexpr double height = 480, top = 110, bottom = 410;
   Markup svg;
   {
-    const auto root = svg.element("svg", {{"xmlns", "http://www.w3.org/2000/svg"},
-                                          {"viewBox", fmt::format("0 0 {} {}", width, height)},
-                                          {"width", width},
-                                          {"height", height},
-                                          {"role", "img"},
-                                          {"font-family", font_family}});
+    const auto root = open_picture(svg, width, height);
     begin_picture(svg, height, "Drag against airspeed", vehicle_line(calibration));
     draw_line(svg, {{24, 76}, {54, 76}}, colour::blue, 2);
     draw_text(svg, 62, 80, law_line(calibration) + ", with 95 % interval", 12);
