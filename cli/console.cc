@@ -56,8 +56,8 @@ void Console::say(const char* colour, std::string_view label, const std::string&
                     (next.empty() ? "" : "\n" + product::wrapped("  -> " + printable(next), 79, 5));
   if (colour_) {
     const auto from = body.find(label);
-    write_error(fmt::format("{}\033[{}m{}\033[0m{}\n", body.substr(0, from), colour, label,
-                            body.substr(from + label.size())));
+    write_error(
+        fmt::format("{}\033[{}m{}\033[0m{}\n", body.substr(0, from), colour, label, body.substr(from + label.size())));
   } else {
     write_error(fmt::format("{}\n", body));
   }
@@ -68,7 +68,13 @@ void Console::note(const std::string& text) {
 }
 
 void Console::warning(const ingest::Problem& problem) {
-  if (!quiet_) say("33", "warning", fact_of(problem), problem.hint);
+  const auto fact = fact_of(problem);
+  if (quiet_) return;
+  {
+    const std::lock_guard lock(mutex_);
+    if (!told_.insert(fact).second) return;
+  }
+  say("33", "warning", fact, problem.hint);
 }
 
 void Console::warnings(const std::vector<ingest::Problem>& problems) {

@@ -1,6 +1,7 @@
 #pragma once
 // What goes to people: results on standard output, everything else on standard error.
 #include <mutex>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -20,6 +21,7 @@ class Console {
   /// A result.
   void print(std::string_view text);
   void note(const std::string& text);
+  /// Told once, however many flights of one log it belongs to.
   void warning(const ingest::Problem& problem);
   void warnings(const std::vector<ingest::Problem>& problems);
   void error(const ingest::Problem& problem);
@@ -32,6 +34,7 @@ class Console {
  private:
   void say(const char* colour, std::string_view label, const std::string& text, const std::string& next = {});
   std::mutex mutex_;
+  std::set<std::string> told_;  ///< warnings so far
   bool quiet_ = false, bar_ = false, colour_ = false, bar_shown_ = false;
 };
 

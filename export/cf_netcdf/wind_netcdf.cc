@@ -39,8 +39,8 @@ ingest::Result<std::vector<const WindPoint*>> points_of(const estimator::WindSer
   if (!any([](const WindPoint& p) { return p.place.has_value(); }))
     return fail(Kind::missing, "no netCDF without a place: the flight has no latitude and longitude", {},
                 "log the position of the GNSS receiver");
-  return fail(Kind::missing, "no netCDF without heights above the sea", {},
-              "give --takeoff-msl M or log the height of the GNSS receiver");
+  return fail(Kind::missing, "no netCDF without heights above the sea: that of the take-off point is not known", {},
+              "give --takeoff-msl M");
 }
 
 /// A coordinate or another number of every step, beside the wind.

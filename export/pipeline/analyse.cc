@@ -139,6 +139,8 @@ void add_profile(FlightAnswer& answer, const ingest::Flight& flight, const Pipel
     return;
   }
   profiles::fill_air(*profile, answer.series, flight);
+  for (auto& problem : profile->problems)
+    if (problem.where.file.empty()) problem.where.file = answer.source.file;
   add_once(answer.source.problems, profile->problems);
   answer.no_profile = keep_legs(*profile, settings.leg.leg);
   if (!answer.no_profile) answer.profile = std::move(*profile);

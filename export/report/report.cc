@@ -224,7 +224,7 @@ void body(Markup& html, const Report& report) {
     if (!reasons.empty()) html.leaf("h2", "What the quality rests on");
     list(html, reasons);
   }
-  const auto better = advice(report.series->diagnostics, report.source.vehicle);
+  const auto better = advice(report.series->diagnostics, report.source.vehicle, reasons_of(*report.series));
   if (!better.empty()) html.leaf("h2", "What would make it better");
   list(html, better);
   if (!report.source.problems.empty()) {

@@ -62,6 +62,17 @@ std::string reasons_text(const profiles::WindProfile& profile) {
   return text.empty() ? text : "What the quality rests on:\n" + text;
 }
 
+/// The same for the instants of a flight, by their share of it.
+std::string reasons_text(const estimator::WindSeries& series) {
+  std::string text;
+  for (const auto& [reason, count] : count_reasons(series)) {
+    const double share = 100.0 * static_cast<double>(count) / static_cast<double>(series.points.size());
+    const auto how_often = share < 1 ? std::string("less than 1 %") : fmt::format("{:.0f} %", share);
+    text += wrapped(fmt::format("- {} ({} of the time)", estimator::sentence(reason), how_often), 79, 2) + "\n";
+  }
+  return text.empty() ? text : "What the quality rests on:\n" + text;
+}
+
 /// The first few lines of what is asked next; JSON and report have all of it.
 std::string levels_text(const profiles::WindProfile& profile) {
   std::string text;
@@ -78,10 +89,10 @@ std::string failed_checks(const estimator::FlightDiagnostics& diagnostics) {
 }
 
 std::string closing(const estimator::FlightDiagnostics& diagnostics, const ingest::Vehicle& vehicle,
-                    const std::optional<AutopilotComparison>& autopilot) {
+                    estimator::Reasons reasons, const std::optional<AutopilotComparison>& autopilot) {
   auto text = failed_checks(diagnostics) + wrapped(vehicle_sentence(vehicle)) + "\n";
   if (autopilot) text += wrapped(autopilot_sentence(*autopilot)) + "\n";
-  const auto better = advice(diagnostics, vehicle);
+  const auto better = advice(diagnostics, vehicle, reasons);
   if (better.empty()) return text;
   text += "What would make it better:\n";
   for (const auto& sentence : better) text += wrapped("- " + sentence, 79, 2) + "\n";
@@ -190,7 +201,7 @@ std::string profile_answer(const FlightTitle& title, const profiles::WindProfile
                            const estimator::FlightDiagnostics& diagnostics, const ingest::Vehicle& vehicle,
                            const std::optional<AutopilotComparison>& autopilot) {
   return heading_lines(title) + profile_table(profile) + "\n" + levels_text(profile) + reasons_text(profile) +
-         closing(diagnostics, vehicle, autopilot);
+         closing(diagnostics, vehicle, reasons_of(profile), autopilot);
 }
 
 std::string merged_answer(const FlightTitle& title, const profiles::WindProfile& profile, const std::string& spread,
@@ -213,7 +224,7 @@ std::string wind_answer(const FlightTitle& title, const estimator::WindSeries& s
                       ingest::to_seconds(points[to - 1].time - points.front().time));
   }
   text += "\nSpeed and direction of the mean vector of each part; the intervals are those of\none instant.\n";
-  return text + closing(series.diagnostics, vehicle, autopilot);
+  return text + reasons_text(series) + closing(series.diagnostics, vehicle, reasons_of(series), autopilot);
 }
 
 }  // namespace quadsonde::product

@@ -91,8 +91,13 @@ std::string wind_words(const estimator::WindEstimate& wind) {
                      compass_word(*report.from_deg));
 }
 
-std::vector<std::string> advice(const estimator::FlightDiagnostics& d, const ingest::Vehicle& vehicle) {
+std::vector<std::string> advice(const estimator::FlightDiagnostics& d, const ingest::Vehicle& vehicle,
+                                estimator::Reasons reasons) {
   std::vector<std::string> all;
+  if (reasons.has(estimator::Reason::inconsistent_telemetry))
+    all.push_back(
+        "See what `quadsonde check` says of this log and correct its columns (--columns MAP.toml): nothing else helps "
+        "before.");
   if (vehicle.is_prior())
     all.push_back("Give a vehicle file (--vehicle FILE): it brings the speeds from +-35 % to about +-6 %.");
   if (!d.trim_estimated)
@@ -101,18 +106,53 @@ std::vector<std::string> advice(const estimator::FlightDiagnostics& d, const ing
   return all;
 }
 
-std::vector<std::pair<estimator::Reason, std::size_t>> count_reasons(const profiles::Leg& leg) {
-  std::array<std::size_t, static_cast<std::size_t>(estimator::Reason::count)> counts{};
-  for (const auto& bin : leg.bins) {
-    auto reasons = bin.reasons;
-    if (const auto* none = std::get_if<estimator::NoEstimate>(&bin.wind)) reasons.add(none->reason);
-    for (const auto reason : reasons.list()) ++counts[static_cast<std::size_t>(reason)];
-  }
+namespace {
+
+using ReasonCounts = std::array<std::size_t, static_cast<std::size_t>(estimator::Reason::count)>;
+
+/// The reasons of one row: its own, and why it has no value.
+estimator::Reasons with_cause(estimator::Reasons reasons, const estimator::MaybeWind& wind) {
+  if (const auto* none = std::get_if<estimator::NoEstimate>(&wind)) reasons.add(none->reason);
+  return reasons;
+}
+
+void count(ReasonCounts& counts, estimator::Reasons reasons) {
+  for (const auto reason : reasons.list()) ++counts[static_cast<std::size_t>(reason)];
+}
+
+std::vector<std::pair<estimator::Reason, std::size_t>> most_frequent_first(const ReasonCounts& counts) {
   std::vector<std::pair<estimator::Reason, std::size_t>> all;
   for (std::size_t i = 0; i < counts.size(); ++i)
     if (counts[i]) all.emplace_back(static_cast<estimator::Reason>(i), counts[i]);
   std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
   return all;
+}
+
+}  // namespace
+
+estimator::Reasons reasons_of(const estimator::WindSeries& series) {
+  estimator::Reasons all;
+  for (const auto& point : series.points) all.add(with_cause(point.reasons, point.wind));
+  return all;
+}
+
+estimator::Reasons reasons_of(const profiles::WindProfile& profile) {
+  estimator::Reasons all;
+  if (const auto* leg = main_leg(profile))
+    for (const auto& bin : leg->bins) all.add(with_cause(bin.reasons, bin.wind));
+  return all;
+}
+
+std::vector<std::pair<estimator::Reason, std::size_t>> count_reasons(const profiles::Leg& leg) {
+  ReasonCounts counts{};
+  for (const auto& bin : leg.bins) count(counts, with_cause(bin.reasons, bin.wind));
+  return most_frequent_first(counts);
+}
+
+std::vector<std::pair<estimator::Reason, std::size_t>> count_reasons(const estimator::WindSeries& series) {
+  ReasonCounts counts{};
+  for (const auto& point : series.points) count(counts, with_cause(point.reasons, point.wind));
+  return most_frequent_first(counts);
 }
 
 }  // namespace quadsonde::product

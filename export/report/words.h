@@ -48,9 +48,16 @@ double middle(const profiles::Bin& bin);
 /// "3.2 m/s from 253 deg (west-southwest)", "calm, 0.2 m/s" where the direction is not known.
 std::string wind_words(const estimator::WindEstimate& wind);
 
-/// What would make the next answer better, one sentence each; empty when nothing would.
-std::vector<std::string> advice(const estimator::FlightDiagnostics& diagnostics, const ingest::Vehicle& vehicle);
+/// What would make the next answer better, the most needed first, one sentence each; empty when nothing would.
+/// @param reasons  all that the answer's values carry
+std::vector<std::string> advice(const estimator::FlightDiagnostics& diagnostics, const ingest::Vehicle& vehicle,
+                                estimator::Reasons reasons);
+/// Every reason that a value of the flight, or a bin of its main leg, carries.
+estimator::Reasons reasons_of(const estimator::WindSeries& series);
+estimator::Reasons reasons_of(const profiles::WindProfile& profile);
 /// Every reason met, with the number of rows that carry it, most frequent first.
 std::vector<std::pair<estimator::Reason, std::size_t>> count_reasons(const profiles::Leg& leg);
+/// The same for the instants of a flight.
+std::vector<std::pair<estimator::Reason, std::size_t>> count_reasons(const estimator::WindSeries& series);
 
 }  // namespace quadsonde::product

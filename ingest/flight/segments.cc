@@ -53,13 +53,27 @@ double lowest(const HeightTrack& track) {
   return *rank;
 }
 
+/// Times from which the log says that the motors are locked, and whether they are. Empty where it does not tell.
+Stream<bool> disarmed_times(const Flight& flight) {
+  Stream<bool> disarmed;
+  for (std::size_t i = 0; i < flight.events.size(); ++i) {
+    const auto what = flight.events.value[i].what;
+    if (what == Event::What::armed || what == Event::What::disarmed)
+      disarmed.push(flight.events.time[i], what == Event::What::disarmed);
+  }
+  return disarmed;
+}
+
 std::function<bool(std::size_t)> airborne_rule(const Flight& flight, const SegmentSettings& settings) {
   const auto& velocity = flight.velocity;
   auto track = height_track(flight);
   calm_down(track);
   const double ground = track.time.empty() ? 0 : lowest(track);
-  return [&velocity, &flight, track, ground, settings](std::size_t i) {
+  return [&velocity, &flight, track, ground, settings, disarmed = disarmed_times(flight)](std::size_t i) {
     const LogTime t = velocity.time[i];
+    // A receiver that settles on the ground shows metres of height and a metre per second of speed.
+    if (const auto at = last_at_or_before(disarmed, t); at >= 0 && disarmed.value[static_cast<std::size_t>(at)])
+      return false;
     if (!flight.landed.empty()) {
       const auto at = last_at_or_before(flight.landed, t);
       return !flight.landed.value[static_cast<std::size_t>(std::max<std::ptrdiff_t>(at, 0))];

@@ -22,7 +22,7 @@ struct Segment {
 };
 
 /// Airborne segments in time order: by the log's own word (`landed`) where it has one, else by height over the
-/// lowest height and by speed. Empty if it never flies.
+/// lowest height and by speed; never where the log says that the motors are disarmed. Empty if it never flies.
 std::vector<Segment> airborne_segments(const Flight& flight, const SegmentSettings& settings = {});
 
 /// MSL height of the take-off point of a segment: the last height before lift-off, else at the landing, else empty.

@@ -41,6 +41,16 @@ TEST(Segments, TheLogsOwnWordDecides) {
   EXPECT_NEAR(to_seconds(segments[0].to - at(0)), 89.9, 1e-6);
 }
 
+TEST(Segments, ADisarmedVehicleDoesNotFlyHoweverItsReceiverDrifts) {
+  // dronekit_quad_flight.tlog: the height fell by 12 m after the first fix, which looked like a flight of 83 s.
+  Flight flight = flown(120, two_hops);
+  flight.events.push(at(0), {Event::What::disarmed, {}});
+  flight.events.push(at(50), {Event::What::armed, {}});
+  const auto segments = airborne_segments(flight);
+  ASSERT_EQ(segments.size(), 1u);
+  EXPECT_NEAR(to_seconds(segments[0].from - at(0)), 60.1, 0.51);
+}
+
 TEST(Segments, AGroundSpeedIsAFlightTooWhereNoHeightIsLogged) {
   Flight flight;
   for (int i = 0; i < 600; ++i) flight.velocity.push(at(0.1 * i), {i > 100 && i < 400 ? 3.0 : 0.05, 0, 0});
