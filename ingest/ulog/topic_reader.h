@@ -30,6 +30,14 @@ class TopicReader {
     if (!us || *us < 0 || *us > std::numeric_limits<std::int64_t>::max() / 1000) return std::nullopt;
     return LogTime{*us * 1000};
   }
+  /// Calls take(time, row) for every message that has a time.
+  template <class Take>
+  void for_each(Take&& take) const {
+    for (std::size_t i = 0; i < size(); ++i) {
+      const auto one = row(i);
+      if (const auto t = time(one)) take(*t, one);
+    }
+  }
   /// From timestamp_sample, when the measurement was made, to timestamp, when it was published (topics of 1.10 on).
   std::optional<Latency> latency() const {
     const auto sampled = column("timestamp_sample");
@@ -45,6 +53,12 @@ class TopicReader {
   /// "vehicle_gps_position[0]"
   std::string name() const { return topic_->name + "[" + std::to_string(topic_->multi_id) + "]"; }
   const Topic& topic() const { return *topic_; }
+  /// Writes into a stream which topic it comes from and how late it is.
+  template <class Stream>
+  void name_source(Stream& stream) const {
+    stream.source = name();
+    stream.latency = latency();
+  }
 
  private:
   const Log* log_;

@@ -85,13 +85,11 @@ Receiver survey(const Log& log, const Topic& topic) {
   const TopicReader reader(log, topic);
   const GpsColumns gps(reader);
   Receiver receiver{&topic, {}, 0};
-  for (std::size_t i = 0; i < reader.size(); ++i) {
-    const auto row = reader.row(i);
-    const auto t = reader.time(row);
-    if (!t || !gps.has_fix(row)) continue;
+  reader.for_each([&](LogTime t, Bytes row) {
+    if (!gps.has_fix(row)) return;
     ++receiver.fixes;
-    if (gps.usable_velocity(row)) receiver.velocity.add(*t);
-  }
+    if (gps.usable_velocity(row)) receiver.velocity.add(t);
+  });
   return receiver;
 }
 
@@ -151,14 +149,12 @@ void take_receiver_velocity(Mapping& m, const Topic& topic) {
   v.origin = VelocityOrigin::receiver;
   v.latency = receiver_latency(reader);
   bool every_sd = true;
-  for (std::size_t i = 0; i < reader.size(); ++i) {
-    const auto row = reader.row(i);
-    const auto t = reader.time(row);
-    if (!t || !gps.usable_velocity(row)) continue;
-    v.push(*t, gps.velocity(row));
+  reader.for_each([&](LogTime t, Bytes row) {
+    if (!gps.usable_velocity(row)) return;
+    v.push(t, gps.velocity(row));
     v.sd.push_back(real(row, gps.speed_sd));
     every_sd = every_sd && v.sd.back() > 0 && v.sd.back() < 1e3;
-  }
+  });
   if (!every_sd) v.sd.clear();
 }
 
@@ -168,16 +164,14 @@ void take_receiver_position(Mapping& m, const Topic& topic) {
   auto& f = m.flight;
   f.position.source = f.height_msl.source = f.height_ellipsoid.source = reader.name();
   f.position.latency = f.height_msl.latency = f.height_ellipsoid.latency = receiver_latency(reader);
-  for (std::size_t i = 0; i < reader.size(); ++i) {
-    const auto row = reader.row(i);
-    const auto t = reader.time(row);
-    if (!t || !gps.has_fix(row)) continue;
+  reader.for_each([&](LogTime t, Bytes row) {
+    if (!gps.has_fix(row)) return;
     const auto point = gps.point(row);
-    if (std::isfinite(point.lat_deg) && std::isfinite(point.lon_deg)) f.position.push(*t, point);
-    if (const double h = gps.height_msl(row); std::isfinite(h)) f.height_msl.push(*t, {h});
+    if (std::isfinite(point.lat_deg) && std::isfinite(point.lon_deg)) f.position.push(t, point);
+    if (const double h = gps.height_msl(row); std::isfinite(h)) f.height_msl.push(t, {h});
     // Drivers that do not know it leave exactly zero.
-    if (const double h = gps.height_ellipsoid(row); std::isfinite(h) && h != 0) f.height_ellipsoid.push(*t, {h});
-  }
+    if (const double h = gps.height_ellipsoid(row); std::isfinite(h) && h != 0) f.height_ellipsoid.push(t, {h});
+  });
 }
 
 /// vehicle_local_position: NED metres from ref_lat, ref_lon (deg), ref_alt (m AMSL); vx, vy, vz; evh = sd [m/s].
@@ -210,23 +204,21 @@ void take_local_position(Mapping& m, const Topic& topic) {
   auto& f = m.flight;
   f.local_position.source = reader.name();
   f.local_position.latency = reader.latency();
-  for (std::size_t i = 0; i < reader.size(); ++i) {
-    const auto row = reader.row(i);
-    const auto t = reader.time(row);
-    if (!t || !flag(row, c.xy, true) || !flag(row, c.zz, true)) continue;
+  reader.for_each([&](LogTime t, Bytes row) {
+    if (!flag(row, c.xy, true) || !flag(row, c.zz, true)) return;
     const Eigen::Vector3d p(real(row, c.x), real(row, c.y), real(row, c.z));
-    if (p.allFinite()) f.local_position.push(*t, p);
+    if (p.allFinite()) f.local_position.push(t, p);
     const GeoPoint ref{real(row, c.lat), real(row, c.lon)};
     if (!flag(row, c.xy_global, true) || !std::isfinite(ref.lat_deg + ref.lon_deg) ||
         (ref.lat_deg == 0 && ref.lon_deg == 0))
-      continue;
+      return;
     const bool moved = f.origin && (std::abs(f.origin->point.lat_deg - ref.lat_deg) > 1e-7 ||
                                     std::abs(f.origin->point.lon_deg - ref.lon_deg) > 1e-7);
-    if (moved) f.events.push(*t, {Event::What::reset, "the origin of the local position moved"});
+    if (moved) f.events.push(t, {Event::What::reset, "the origin of the local position moved"});
     f.origin = Origin{ref, {}};
     if (const double alt = real(row, c.alt); flag(row, c.z_global, true) && std::isfinite(alt))
       f.origin->height_msl = MslHeight{alt};
-  }
+  });
 }
 
 Coverage fused_coverage(const Log& log, const Topic* topic) {
@@ -234,11 +226,9 @@ Coverage fused_coverage(const Log& log, const Topic* topic) {
   if (!topic) return coverage;
   const TopicReader reader(log, *topic);
   const LocalColumns c(reader);
-  for (std::size_t i = 0; i < reader.size(); ++i) {
-    const auto row = reader.row(i);
-    const auto t = reader.time(row);
-    if (t && flag(row, c.vxy, true) && flag(row, c.vzz, true)) coverage.add(*t);
-  }
+  reader.for_each([&](LogTime t, Bytes row) {
+    if (flag(row, c.vxy, true) && flag(row, c.vzz, true)) coverage.add(t);
+  });
   return coverage;
 }
 
@@ -251,18 +241,16 @@ void take_fused_velocity(Mapping& m, const Topic& topic) {
   v.latency = reader.latency();
   bool every_sd = true;
   std::optional<double> resets;
-  for (std::size_t i = 0; i < reader.size(); ++i) {
-    const auto row = reader.row(i);
-    const auto t = reader.time(row);
-    if (!t || !flag(row, c.vxy, true) || !flag(row, c.vzz, true)) continue;
-    v.push(*t, {real(row, c.vx), real(row, c.vy), real(row, c.vz)});
+  reader.for_each([&](LogTime t, Bytes row) {
+    if (!flag(row, c.vxy, true) || !flag(row, c.vzz, true)) return;
+    v.push(t, {real(row, c.vx), real(row, c.vy), real(row, c.vz)});
     v.sd.push_back(real(row, c.sd));
     every_sd = every_sd && v.sd.back() > 0 && v.sd.back() < 1e3;
-    if (!c.resets) continue;
+    if (!c.resets) return;
     const double now = real(row, c.resets);
-    if (resets && *resets != now) m.flight.events.push(*t, {Event::What::reset, "the estimator's velocity jumped"});
+    if (resets && *resets != now) m.flight.events.push(t, {Event::What::reset, "the estimator's velocity jumped"});
     resets = now;
-  }
+  });
   if (!every_sd) v.sd.clear();
 }
 
@@ -273,13 +261,10 @@ void take_global_position(Mapping& m, const Topic& topic) {
   auto& f = m.flight;
   f.position.source = f.height_msl.source = reader.name();
   f.position.latency = f.height_msl.latency = reader.latency();
-  for (std::size_t i = 0; i < reader.size(); ++i) {
-    const auto row = reader.row(i);
-    const auto t = reader.time(row);
-    if (!t) continue;
-    f.position.push(*t, {real(row, lat), real(row, lon)});
-    if (const double h = real(row, alt); std::isfinite(h)) f.height_msl.push(*t, {h});
-  }
+  reader.for_each([&](LogTime t, Bytes row) {
+    f.position.push(t, {real(row, lat), real(row, lon)});
+    if (const double h = real(row, alt); std::isfinite(h)) f.height_msl.push(t, {h});
+  });
 }
 
 /// MSL height from the local position when nothing else tells it.

@@ -36,19 +36,15 @@ void map_attitude(Mapping& m) {
   for (std::size_t k = 0; k < 4; ++k) q[k] = reader.column(fmt::format("q[{}]", k));
   const auto counter = reader.column("quat_reset_counter");  // from 1.8 on
   auto& attitude = m.flight.attitude;
-  attitude.source = reader.name();
-  attitude.latency = reader.latency();
+  reader.name_source(attitude);
   std::optional<double> resets;
-  for (std::size_t i = 0; i < reader.size(); ++i) {
-    const auto row = reader.row(i);
-    const auto t = reader.time(row);
-    if (!t) continue;
-    attitude.push(*t, Eigen::Quaterniond(real(row, q[0]), real(row, q[1]), real(row, q[2]), real(row, q[3])));
-    if (!counter) continue;
+  reader.for_each([&](LogTime t, Bytes row) {
+    attitude.push(t, Eigen::Quaterniond(real(row, q[0]), real(row, q[1]), real(row, q[2]), real(row, q[3])));
+    if (!counter) return;
     const double now = real(row, counter);
-    if (resets && *resets != now) m.flight.events.push(*t, {Event::What::reset, "the attitude estimate jumped"});
+    if (resets && *resets != now) m.flight.events.push(t, {Event::What::reset, "the attitude estimate jumped"});
     resets = now;
-  }
+  });
   if (!attitude.empty()) m.details.emplace_back("attitude", attitude.source);
 }
 
@@ -63,15 +59,12 @@ void map_accelerometer(Mapping& m) {
   const auto relative = reader.column("accelerometer_timestamp_relative");
   constexpr double invalid = 0x7FFFFFFF;  // RELATIVE_TIMESTAMP_INVALID
   auto& stream = m.flight.accelerometer;
-  stream.source = reader.name();
-  stream.latency = reader.latency();
-  for (std::size_t i = 0; i < reader.size(); ++i) {
-    const auto row = reader.row(i);
-    const auto t = reader.time(row);
+  reader.name_source(stream);
+  reader.for_each([&](LogTime t, Bytes row) {
     const auto f_B = vector3(row, columns);
     const double offset_us = relative ? real(row, relative) : 0.0;
-    if (t && f_B.allFinite() && offset_us != invalid) stream.push(*t + seconds(offset_us * 1e-6), f_B);
-  }
+    if (f_B.allFinite() && offset_us != invalid) stream.push(t + seconds(offset_us * 1e-6), f_B);
+  });
 }
 
 /// vehicle_air_data (1.8 on: Pa, m), else sensor_combined.baro_alt_meter, else sensor_baro.pressure (mbar up to
@@ -91,20 +84,16 @@ void map_barometer(Mapping& m) {
   const auto pressure = reader.column_of({"baro_pressure_pa", "pressure"});
   const auto altitude = reader.column_of({"baro_alt_meter", "altitude"});
   auto& stream = m.flight.barometer;
-  stream.source = reader.name();
-  stream.latency = reader.latency();
-  for (std::size_t i = 0; i < reader.size(); ++i) {
-    const auto row = reader.row(i);
-    const auto t = reader.time(row);
-    if (!t) continue;
+  reader.name_source(stream);
+  reader.for_each([&](LogTime t, Bytes row) {
     BarometerSample sample;
     const double p = real(row, pressure);
     if (p > 10) sample.pressure_pa = p < 2000 ? p * 100 : p;
     // Exactly zero without a pressure is what a missing barometer writes.
     const double h = real(row, altitude);
     if (std::isfinite(h) && (h != 0 || sample.pressure_pa)) sample.altitude_m = h;
-    if (sample.pressure_pa || sample.altitude_m) stream.push(*t, sample);
-  }
+    if (sample.pressure_pa || sample.altitude_m) stream.push(t, sample);
+  });
 }
 
 /// sensor_hygrometer (1.13 on): degC and % of a sensor made for the air.
@@ -114,17 +103,13 @@ void map_air(Mapping& m) {
   const TopicReader reader(m.log, *topic);
   const auto temperature = reader.column("temperature"), humidity = reader.column("humidity");
   auto& stream = m.flight.air;
-  stream.source = reader.name();
-  stream.latency = reader.latency();
-  for (std::size_t i = 0; i < reader.size(); ++i) {
-    const auto row = reader.row(i);
-    const auto t = reader.time(row);
-    if (!t) continue;
+  reader.name_source(stream);
+  reader.for_each([&](LogTime t, Bytes row) {
     AirSample sample;
     if (const double c = real(row, temperature); std::isfinite(c)) sample.temperature_k = c + 273.15;
     if (const double h = real(row, humidity); std::isfinite(h)) sample.relative_humidity_pct = h;
-    if (sample.temperature_k || sample.relative_humidity_pct) stream.push(*t, sample);
-  }
+    if (sample.temperature_k || sample.relative_humidity_pct) stream.push(t, sample);
+  });
 }
 
 /// esc_status.esc[i].esc_rpm, of the esc_count first of 8.
@@ -140,18 +125,15 @@ void map_rotors(Mapping& m) {
     rpm.push_back(column);
   }
   auto& stream = m.flight.rotors;
-  stream.source = reader.name();
-  stream.latency = reader.latency();
-  for (std::size_t i = 0; i < reader.size(); ++i) {
-    const auto row = reader.row(i);
-    const auto t = reader.time(row);
+  reader.name_source(stream);
+  reader.for_each([&](LogTime t, Bytes row) {
     const double escs = std::clamp(count ? real(row, count) : 0.0, 0.0, static_cast<double>(rpm.size()));
-    if (!t || !(escs > 0)) continue;
+    if (!(escs > 0)) return;
     RotorSpeeds speeds;
     for (std::size_t k = 0; k < static_cast<std::size_t>(escs); ++k)
       speeds.push_back(static_cast<float>(real(row, rpm[k])));
-    stream.push(*t, std::move(speeds));
-  }
+    stream.push(t, std::move(speeds));
+  });
 }
 
 namespace {
@@ -191,18 +173,15 @@ void map_wind(Mapping& m) {
   const TopicReader reader(m.log, *topic);
   const WindColumns c(reader);
   auto& stream = m.flight.autopilot_wind;
-  stream.source = reader.name();
-  stream.latency = reader.latency();
-  for (std::size_t i = 0; i < reader.size(); ++i) {
-    const auto row = reader.row(i);
-    const auto t = reader.time(row);
-    if (!t || !c.estimated(row)) continue;
+  reader.name_source(stream);
+  reader.for_each([&](LogTime t, Bytes row) {
+    if (!c.estimated(row)) return;
     AutopilotWind wind;
     wind.v_NA_N = {real(row, c.north), real(row, c.east)};
     const double variance = (real(row, c.var_north) + real(row, c.var_east)) / 2;
     if (variance > 0 && std::isfinite(variance)) wind.sd = std::sqrt(variance);
-    stream.push(*t, wind);
-  }
+    stream.push(t, wind);
+  });
   m.details.emplace_back("autopilot wind", stream.source);
 }
 

@@ -72,18 +72,15 @@ void map_status(Mapping& m) {
   constexpr double armed = 2;  // ARMING_STATE_ARMED, all versions
   std::optional<bool> was_armed;
   double last_mode = -1;
-  for (std::size_t i = 0; i < reader.size(); ++i) {
-    const auto row = reader.row(i);
-    const auto t = reader.time(row);
-    if (!t) continue;
+  reader.for_each([&](LogTime t, Bytes row) {
     const bool now = real(row, arming) == armed;
     if (arming && was_armed != now && (was_armed || now))
-      m.flight.events.push(*t, {now ? Event::What::armed : Event::What::disarmed, {}});
+      m.flight.events.push(t, {now ? Event::What::armed : Event::What::disarmed, {}});
     if (arming) was_armed = now;
     const double now_mode = real(row, mode);
-    if (mode && now_mode != last_mode) m.flight.events.push(*t, {Event::What::mode, mode_name(now_mode)});
+    if (mode && now_mode != last_mode) m.flight.events.push(t, {Event::What::mode, mode_name(now_mode)});
     if (mode) last_mode = now_mode;
-  }
+  });
 }
 
 void map_landed(Mapping& m) {
@@ -94,15 +91,12 @@ void map_landed(Mapping& m) {
   if (!landed) return;
   auto& stream = m.flight.landed;
   stream.source = reader.name();
-  for (std::size_t i = 0; i < reader.size(); ++i) {
-    const auto row = reader.row(i);
-    const auto t = reader.time(row);
-    if (!t) continue;
+  reader.for_each([&](LogTime t, Bytes row) {
     const bool now = flag(row, landed, false);
     if (!stream.empty() && stream.value.back() != now)
-      m.flight.events.push(*t, {now ? Event::What::landed : Event::What::takeoff, {}});
-    stream.push(*t, now);
-  }
+      m.flight.events.push(t, {now ? Event::What::landed : Event::What::takeoff, {}});
+    stream.push(t, now);
+  });
 }
 
 void map_texts(Mapping& m) {
