@@ -55,6 +55,24 @@ Telemetry spinning(const Telemetry& base, const ShootingWindow& window, double a
   return out;
 }
 
+/// Low-frequency PSD per axis of s c w_d, the share of a vertical gust (Ornstein-Uhlenbeck) that the slope turns into
+/// the horizontal: 2 (c sigma_w)^2 times the integral of R_s(tau) exp(-tau/T), R_s the slope's own autocorrelation. A
+/// slope that turns about, as on the legs of a square, lets less of it through than one that stands.
+/// @param drag_gust  c sigma_w [m/s2 per unit of slope]
+double gust_psd(const Telemetry& t, double drag_gust, double gust_time) {
+  Vector2d faded = Vector2d::Zero();  // integral of s(t - tau) exp(-tau/T)
+  double product = 0, duration = 0;
+  for (std::size_t i = 1; i < t.slope.size(); ++i) {
+    const double h = t.attitude_time[i] - t.attitude_time[i - 1];
+    if (h > gust_time) faded.setZero();
+    if (h <= 0 || h > gust_time) continue;
+    faded = std::exp(-h / gust_time) * faded + h * t.slope[i];
+    product += h * t.slope[i].dot(faded), duration += h;
+  }
+  constexpr double axes = 2;
+  return duration > 0 ? 2 * drag_gust * drag_gust * std::max(0.0, product / duration) / axes : 0;
+}
+
 double span_of(const std::vector<double>& values) {
   const auto [low, high] = std::minmax_element(values.begin(), values.end());
   return *high - *low;
@@ -84,10 +102,8 @@ void FaultSearch::measure_noise() {
     noise_.velocity_sd = std::max(velocity.sd, 0.05);
     noise_.acceleration_psd = 2 * std::pow(standard_gravity * 0.5 * degree, 2) * 1.0;
   }
-  double lean = 0;
-  for (const auto& s : t.slope) lean += s.squaredNorm() / static_cast<double>(t.slope.size());
   const double c = drag_.drag.linear + 3 * drag_.drag.quadratic;
-  noise_.acceleration_psd += 2 * std::pow(c * settings_.vertical_gust, 2) * lean * settings_.vertical_gust_time;
+  noise_.acceleration_psd += gust_psd(t, c * settings_.vertical_gust, settings_.vertical_gust_time);
 }
 
 LogReading FaultSearch::reading_of(const TelemetryMap& map, const Telemetry& base) const {

@@ -164,6 +164,36 @@ struct ReducedWindow {
   }
 };
 
+/// Step of the common parameters, trim and drag kept within three sd of what is known of them: a Gaussian prior alone
+/// is no hold against a residual fifty times too large, which then bends the drag to any size and hides half of itself.
+VectorXd bounded_step(const MatrixXd& normal, const VectorXd& right, const ShootingPrior& prior,
+                      const ShootingFit& fit) {
+  const Eigen::Vector3d sd(prior.trim_sd.x(), prior.trim_sd.y(), prior.drag_log_sd);
+  const Eigen::Vector3d off(prior.trim.x() - fit.trim.x(), prior.trim.y() - fit.trim.y(), -fit.drag_log_factor);
+  VectorXd step = normal.ldlt().solve(right);
+  std::vector<Index> held;
+  for (Index round = 0; round < common_columns; ++round) {
+    const auto before = held.size();
+    for (Index i = 0; i < common_columns; ++i) {
+      const double low = off(i) - 3 * sd(i), high = off(i) + 3 * sd(i);
+      if (std::find(held.begin(), held.end(), i) != held.end() || (step(i) >= low && step(i) <= high)) continue;
+      step(i) = std::clamp(step(i), low, high);
+      held.push_back(i);
+    }
+    if (held.size() == before) break;
+    MatrixXd rest = normal;
+    VectorXd target = right;
+    for (const Index i : held) {
+      target -= normal.col(i) * step(i);
+      rest.row(i).setZero(), rest.col(i).setZero();
+      rest(i, i) = 1;
+    }
+    for (const Index i : held) target(i) = step(i);
+    step = rest.ldlt().solve(target);
+  }
+  return step;
+}
+
 /// Prior of the common parameters as normal equations about the present values.
 void add_prior(const ShootingPrior& prior, const ShootingFit& fit, MatrixXd& normal, VectorXd& right) {
   const Eigen::Vector3d sd(prior.trim_sd.x(), prior.trim_sd.y(), prior.drag_log_sd);
@@ -228,8 +258,7 @@ std::optional<ShootingFit> Shooting::fit(const LogReading& reading, const NoiseL
       right += reduced.back().common.transpose() * reduced.back().residual;
     }
     add_prior(prior_, fit, normal, right);
-    const Eigen::LDLT<MatrixXd> solved(normal);
-    const VectorXd step = solved.solve(right);
+    const VectorXd step = bounded_step(normal, right, prior_, fit);
     fit.chi2 = fit.dof = 0;
     for (std::size_t i = 0; i < count; ++i) {
       const double chi2 = (reduced[i].residual - reduced[i].common * step).squaredNorm();
@@ -242,10 +271,10 @@ std::optional<ShootingFit> Shooting::fit(const LogReading& reading, const NoiseL
     }
     fit.dof -= common_columns + static_cast<double>(gain_columns);
     fit.trim += step.head<2>();
-    fit.drag_log_factor = std::clamp(fit.drag_log_factor + step(2), -3.0, 3.0);
+    fit.drag_log_factor += step(2);
     if (gain_columns > 0) {
       fit.gain = step.tail(gain_columns);
-      fit.gain_covariance = solved.solve(MatrixXd::Identity(m, m)).bottomRightCorner(gain_columns, gain_columns);
+      fit.gain_covariance = normal.ldlt().solve(MatrixXd::Identity(m, m)).bottomRightCorner(gain_columns, gain_columns);
     }
   }
   return fit;
