@@ -63,6 +63,7 @@ std::unique_ptr<Verb> make_estimate_verb();
 std::unique_ptr<Verb> make_profile_verb();
 std::unique_ptr<Verb> make_simulate_verb();
 std::unique_ptr<Verb> make_calibrate_verb();
+std::unique_ptr<Verb> make_validate_verb();
 /// Verbs of two words: "archive add", "archive list", ...
 std::vector<std::unique_ptr<Verb>> make_archive_verbs();
 

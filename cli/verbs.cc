@@ -13,6 +13,7 @@ std::vector<std::unique_ptr<Verb>> all_verbs() {
   verbs.push_back(make_convert_verb());
   verbs.push_back(make_simulate_verb());
   verbs.push_back(make_calibrate_verb());
+  verbs.push_back(make_validate_verb());
   for (auto& verb : make_archive_verbs()) verbs.push_back(std::move(verb));
   return verbs;
 }

@@ -27,6 +27,9 @@ double or_missing(const std::optional<double>& value) {
 
 }  // namespace
 
+std::unique_lock<std::mutex> lock_eccodes() { return std::unique_lock(writer_lock()); }
+void silence_eccodes() { codes_context_set_logging_proc(codes_context_get_default(), say_nothing); }
+
 std::optional<double> within(const BufrElement& element, std::optional<double> value) {
   if (!value || !std::isfinite(*value)) return std::nullopt;
   const double per_unit = std::pow(10, element.scale), most = std::ldexp(1, element.bits) - 2;
@@ -51,7 +54,7 @@ CivilTime split_utc(ingest::UtcTime time) {
 }
 
 BufrMessage::BufrMessage(const Header& header) : lock_(writer_lock()), subsets_(header.subsets) {
-  codes_context_set_logging_proc(codes_context_get_default(), say_nothing);
+  silence_eccodes();
   handle_ = codes_handle_new_from_samples(nullptr, "BUFR4");
   if (!handle_) note(CODES_FILE_NOT_FOUND, "its sample BUFR4");
   set_long("edition", edition);

@@ -29,6 +29,11 @@ struct CivilTime {
 };
 CivilTime split_utc(ingest::UtcTime time);
 
+/// Held by whoever works with ecCodes, which two threads must not; taken before a process is forked off for it, too.
+std::unique_lock<std::mutex> lock_eccodes();
+/// ecCodes prints nothing on standard error from here on: its status says it all.
+void silence_eccodes();
+
 /// One message, edition 4, master tables version 31 (the newest that libwreport 3.35 knows; every descriptor we write
 /// is in it). What is not set is missing, and so is every value that is empty or not finite: ecCodes 2.28 takes a NaN
 /// without a word and writes it as the smallest value there is.
