@@ -41,6 +41,8 @@ ROWS = {
     "export/mcap": [*BEHIND_PRODUCTS, *PRODUCTS, "ingest/mcap"],
     # A calibration is a result that pictures and answers show, as they show a profile.
     "export/report": [*BEHIND_PRODUCTS, *PRODUCTS, "estimator/calibration"],
+    # It judges files of any kind, so it opens and reads them.
+    "export/validate": [*BEHIND_PRODUCTS, *PRODUCTS, "ingest/mcap", "ingest/open"],
     "export/pipeline": ["ingest", "estimator", "profiles", "export"],
     "cli": ["ingest", "estimator", "profiles", "export"],
 }
@@ -55,6 +57,7 @@ HOMES = [  # (name, its headers, the folders where it may be included)
     ("netCDF", r"netcdf", ["export/cf_netcdf", REFERENCE]),
     ("SQLite", r"sqlite3", ["export/archive"]),
     ("ecCodes", r"eccodes", ["export/bufr", REFERENCE]),
+    ("UDUNITS", r"udunits2", ["export/validate"]),
     ("GeographicLib", r"GeographicLib/", ["ingest", "export/geoid"]),
     ("protobuf", r"google/protobuf/", ["ingest/mcap", "export/mcap"]),
     ("toml++", r"toml\+\+|toml\.hpp", [f for f in [*ROWS, *TOP] if f != FLIGHT and f not in ("ingest", *ON_BOARD)]),
