@@ -1,5 +1,6 @@
 #include "export/cf_netcdf/describe.h"
 
+#include <fmt/format.h>
 #include <netcdf.h>
 #include <netcdf_mem.h>
 
@@ -53,7 +54,9 @@ class Describer {
     int count = 0;
     if (nc_inq_nvars(id_, &count) != NC_NOERR) return "Eits variables cannot be listed";
     if (count > static_cast<int>(most_variables)) return "Eit has more variables than anybody could look at";
-    for (int v = 0; v < count; ++v) variable(v);
+    for (int v = 0; v < count; ++v)
+      if (const int status = variable(v); status != NC_NOERR)
+        return fmt::format("E{} (variable {} of {})", nc_strerror(status), v + 1, count);
     int groups = 0;
     if (nc_inq_grps(id_, &groups, nullptr) == NC_NOERR) said_.groups = static_cast<std::uint32_t>(groups);
     return "D" + pack(said_);
@@ -127,23 +130,26 @@ class Describer {
     }
   }
 
-  void variable(int v) {
+  /// A status of the library.
+  int variable(int v) {
     std::array<char, NC_MAX_NAME + 1> name{};
     nc_type type = NC_NAT;
     int count = 0;
     std::array<int, NC_MAX_VAR_DIMS> ids{};
-    if (nc_inq_var(id_, v, name.data(), &type, &count, ids.data(), nullptr) != NC_NOERR) return;
+    if (const int status = nc_inq_var(id_, v, name.data(), &type, &count, ids.data(), nullptr); status != NC_NOERR)
+      return status;
     NcVariable said;
     said.name = name.data();
     said.type = type_of(type);
     for (int i = 0; i < count; ++i) {
       const auto at = std::find(dimension_ids_.begin(), dimension_ids_.end(), ids[static_cast<std::size_t>(i)]);
-      if (at == dimension_ids_.end()) return;
+      if (at == dimension_ids_.end()) return NC_EBADDIM;
       said.dimensions.push_back(static_cast<std::uint32_t>(at - dimension_ids_.begin()));
     }
     said.attributes = attributes(v);
     read_data(v, said);
     said_.variables.push_back(std::move(said));
+    return NC_NOERR;
   }
 
   void read_data(int v, NcVariable& said) {

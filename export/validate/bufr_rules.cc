@@ -37,6 +37,9 @@ std::size_t next_message(Bytes file, std::size_t from) {
   return file.size();
 }
 
+/// Editions before 4 leave the century out; BUFR was not exchanged before 1980.
+int year_of_century(int year) { return (year % 100 < 80 ? 2000 : 1900) + year % 100; }
+
 class MessageChecker {
  public:
   MessageChecker(Bytes message, std::string where, Findings& found)
@@ -97,11 +100,12 @@ class MessageChecker {
   void header(std::size_t at) {
     const bool fourth = edition_ == 4;
     if (bytes_[at + 3] != 0) add(rule("bufr.master-table"), fmt::format("it is {}", bytes_[at + 3]));
-    const auto version = bytes_[at + (fourth ? 13 : 9)];
+    const auto version = bytes_[at + (fourth ? 13 : 10)];
     // 45 is the newest that MET.md has seen; 255 marks none, experimental ones begin far above.
-    if (version < 2 || version > 60) add(rule("bufr.table-version"), fmt::format("it is {}", version));
+    if (version < 2 || version > 60)
+      add(rule("bufr.table-version"), fmt::format("it is {}{}", version, fourth ? "" : " (octet 11 in old editions)"));
     const auto date = at + (fourth ? 15u : 12u);
-    const int year = fourth ? static_cast<int>(number(bytes_, date, 2)) : 2000 + bytes_[date] % 100;
+    const int year = fourth ? static_cast<int>(number(bytes_, date, 2)) : year_of_century(bytes_[date]);
     const auto month = date + (fourth ? 2 : 1);
     const std::chrono::year_month_day day{std::chrono::year(year), std::chrono::month(bytes_[month]),
                                           std::chrono::day(bytes_[month + 1])};
@@ -173,7 +177,7 @@ class MessageChecker {
     const auto first = [&](int code) {
       const auto all = values_of(code);
       const auto at = std::find_if(all.begin(), all.end(), [](const auto& v) { return v.has_value(); });
-      return static_cast<int>(**at);
+      return at != all.end() && std::abs(**at) < 10000 ? static_cast<int>(**at) : -1;
     };
     const std::chrono::year_month_day day{std::chrono::year(first(4001)),
                                           std::chrono::month(static_cast<unsigned>(first(4002))),
@@ -223,6 +227,7 @@ class MessageChecker {
       if (std::all_of(counts.begin(), counts.end(), [](const auto& n) { return !n || *n == 0; }))
         add(rule("bufr.levels"), "it has no level");
     }
+    if (subsets_ > 1) return;  // each begins from the ground again
     std::optional<double> last;
     for (const auto& h : heights) {
       if (h && last && *h <= *last) return add(rule("bufr.heights"), fmt::format("{} m stands behind {} m", *h, *last));

@@ -36,9 +36,8 @@ void check_roles(const NetcdfFile& f, const std::string& feature, Findings& foun
     if (std::find(wanted.begin(), wanted.end(), role) == wanted.end() && role.ends_with("_id"))
       found.add(rule("cf.cf-role-feature"), "", fmt::format("a {} has no {}", feature, role));
   for (const auto& role : wanted)
-    if (!seen.contains(role))
-      found.add(f.is_uasdc() ? rule("uasdc.cf-role") : rule("cf.cf-role-missing"), "",
-                fmt::format("a {} without {}", feature, role));
+    if (!seen.contains(role) && !f.is_uasdc())
+      found.add(rule("cf.cf-role-missing"), "", fmt::format("a {} without {}", feature, role));
 }
 
 /// Whether a data variable can be placed by this coordinate: by its dimension, a scalar, or its own list.

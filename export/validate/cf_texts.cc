@@ -117,8 +117,9 @@ void check_units(const NetcdfFile& f, const NcVariable& v, Findings& found) {
   if (!NetcdfFile::attribute(v, "units")) {
     const bool plain = canonical.empty() || canonical == "1";
     if (wants_units(f, v)) {
-      if (!plain || f.is_coordinate(v))
-        found.add(rule("cf.units-missing"), v.name, "it has a dimension and no units");
+      // Integers along a dimension, "obs" or "month", only count.
+      if (!plain || (f.is_coordinate(v) && is_float(v.type)))
+        found.add(rule("cf.units-missing"), v.name, "it is a quantity and has no units");
       else
         found.add(rule("cf.units-absent"), v.name, "it has no units");
     }

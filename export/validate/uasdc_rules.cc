@@ -118,6 +118,13 @@ void check_variable(const NetcdfFile& f, const TableVariable& row, const NcVaria
   if (!absent.empty()) found.add(rule("uasdc.attributes"), v.name, "empty or not there: " + absent);
 }
 
+/// "it is not there", and which variable outside the table may be meant: `pressure` for `air_pressure`.
+std::string absent_text(const NetcdfFile& f, const TableVariable& row) {
+  for (const auto& v : f.variables())
+    if (row.name.ends_with("_" + v.name)) return "it is not there; is it \"" + v.name + "\"?";
+  return "it is not there";
+}
+
 }  // namespace
 
 void ask_uasdc_units(NetcdfFile& f) {
@@ -133,8 +140,11 @@ void check_uasdc(const NetcdfFile& f, Findings& found) {
     if (const auto* v = f.find(row.name))
       check_variable(f, row, *v, found);
     else if (row.required)
-      found.add(rule("uasdc.required"), std::string(row.name), "it is not there");
+      found.add(rule("uasdc.required"), std::string(row.name), absent_text(f, row));
   }
+  if (std::none_of(f.variables().begin(), f.variables().end(),
+                   [](const auto& v) { return NetcdfFile::attribute(v, "cf_role") != nullptr; }))
+    found.add(rule("uasdc.cf-role"), "", "no variable has a cf_role");
   for (const auto& v : f.variables()) {
     const bool known =
         std::any_of(std::begin(table), std::end(table), [&](const auto& row) { return row.name == v.name; });

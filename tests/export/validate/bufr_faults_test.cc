@@ -1,8 +1,11 @@
 // One fault in a BUFR message, and the rule that finds it.
+#include <fstream>
 #include <functional>
+#include <iterator>
 
 #include "export/bufr/bufr_message.h"
 #include "faulty.h"
+#include "tests/support/data.h"
 
 namespace quadsonde {
 namespace {
@@ -34,6 +37,8 @@ struct ByteFault {
   const char* rule;
   void (*inject)(std::string& message);
 };
+/// Of the same name for GoogleTest.
+std::ostream& operator<<(std::ostream& out, const ByteFault& fault) { return out << fault.rule; }
 class BufrByteFault : public testing::TestWithParam<ByteFault> {};
 
 TEST_P(BufrByteFault, IsFound) {
@@ -104,6 +109,18 @@ TEST(ValidateBufr, FindsEachImplausibleValueByItsRuleAlone) {
   };
   for (const auto& [rule, change] : faults)
     EXPECT_EQ(broken_rules(level(change), "x.bufr"), support::only(rule)) << rule;
+}
+
+TEST(ValidateBufr, ReadsTheOctetsOfOldEditionsWhereTheyStand) {
+  // Edition 3 has its data sub-category (here 91 and 0) where edition 4 does not, and the year without a century.
+  for (const auto* name : {"reference/bufr/pilot-ecmwf-geopotential.bufr", "reference/bufr/synop-oddgust.bufr"}) {
+    QUADSONDE_NEEDS_DATA(name);
+    std::ifstream in(support::data_file(name), std::ios::binary);
+    std::string bytes{std::istreambuf_iterator<char>(in), {}};
+    EXPECT_EQ(broken_rules(bytes, name), support::only("bufr.edition-old")) << name;
+    bytes[8 + 10] = 99;
+    EXPECT_TRUE(broken_rules(bytes, name).contains("bufr.table-version")) << name;
+  }
 }
 
 TEST_P(BufrByteFault, LeavesTheOtherMessagesReadable) {

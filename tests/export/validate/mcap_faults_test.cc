@@ -65,6 +65,8 @@ struct McapFault {
   const char* rule;
   void (*inject)(std::string& file);
 };
+/// Of the same name for GoogleTest.
+std::ostream& operator<<(std::ostream& out, const McapFault& fault) { return out << fault.rule; }
 class McapByteFault : public testing::TestWithParam<McapFault> {};
 
 TEST_P(McapByteFault, IsFound) {

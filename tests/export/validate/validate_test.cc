@@ -21,6 +21,9 @@ TEST(Validate, RefusesWhatIsNoneOfItsKinds) {
   const auto text = validated("time_s,wind_east_m_s\n0,3\n", "wind.csv");
   ASSERT_FALSE(text);
   EXPECT_EQ(text.error().kind, Kind::unsupported);
+  const auto empty = validated("", "empty.nc");
+  ASSERT_FALSE(empty);
+  EXPECT_EQ(empty.error().kind, Kind::unsupported);
   EXPECT_FALSE(product::validate_file("/"));
   EXPECT_FALSE(product::validate_file("nowhere.nc"));
 }
