@@ -2,6 +2,7 @@
 // How much a flight's own motion can tell of its drag.
 #include <vector>
 
+#include "estimator/filter/excitation.h"
 #include "estimator/smoother/steps.h"
 
 namespace quadsonde::estimator {
@@ -10,8 +11,5 @@ namespace quadsonde::estimator {
 /// could have caused. Over the sound steps. 0 for less than three of them.
 /// Source: design notes, section 5, "Identifiability report".
 double excitation_index(const std::vector<Step>& steps);
-
-inline constexpr double enough_excitation = 1.5;  ///< from here on a flight may calibrate [m/s]
-inline constexpr double some_excitation = 0.5;    ///< from here on what it says is shown, but not used
 
 }  // namespace quadsonde::estimator

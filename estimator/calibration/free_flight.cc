@@ -18,11 +18,9 @@ using ingest::Kind;
 using ingest::Problem;
 using ingest::Vehicle;
 
-// Beyond these there is no answer: half the range of ln c, the referee's distance, the formal sd of ln c.
-constexpr double most_half_range = 0.10, most_referee = 0.20, most_formal = 0.15;
-// On simulated squares in turbulence ln c comes out 0.02 to 0.03 high, whatever window, noise and duration; the cause
-// is not known, so it is stated, not taken off.
-constexpr double unexplained = 0.025;
+// Beyond these there is no answer: half the range of ln c and the referee's distance beyond its own sd; that distance
+// by itself, twice what the design notes give it, for a referee that knows little; the formal sd of ln c.
+constexpr double most_half_range = 0.10, most_referee_by_itself = 0.40, most_formal = 0.15;
 constexpr double least_between = 0.06;       // of the drag from flight to flight (1 sigma)
 constexpr double trim_between_deg = 0.3;     // of the trim
 constexpr double most_trim_sd_deg = 0.2;     // of a trim worth keeping: longer flights give 0.1
@@ -259,7 +257,9 @@ class Calibration {
     auto free = fit_;
     free.quadratic = true;
     const auto with = fit_free_flights(all, free, fits_[best_].at);
-    out_.quadratic_gain = with.fit - fits_[best_].fit;
+    const double kappa_sd =
+        std::sqrt(FitMatrix(with.information + only_prior_of_others()).inverse()(f_quadratic, f_quadratic));
+    out_.quadratic_gain = 0.5 * std::pow(with.at(f_quadratic) / kappa_sd, 2);
     if (!with.converged || out_.quadratic_gain <= least_likelihood_gain || with.at(f_quadratic) < 0) return;
     out_.quadratic = fit_.quadratic = true;
     for (std::size_t i = 0; i < noises.size(); ++i) {
@@ -269,7 +269,16 @@ class Calibration {
     fit_.noise = noises[best_];
   }
 
-  /// Airspeeds flown, with the winds of the referee (constant per flight) or, without it, over ground.
+  /// What is known of all but kappa beforehand.
+  FitMatrix only_prior_of_others() const {
+    FitMatrix others = fit_.prior_information;
+    others.row(f_quadratic).setZero();
+    others.col(f_quadratic).setZero();
+    return others;
+  }
+
+  /// Airspeeds flown, with the winds of the referee (constant per flight) or, without it, over ground. The mean weighs
+  /// each by its square: a constant c fitted to c(a) a over them is c there, and not at the plain mean.
   void find_airspeeds() {
     std::vector<double> all;
     for (std::size_t i = 0; i < used_.size(); ++i) {
@@ -279,9 +288,9 @@ class Calibration {
     }
     if (all.empty()) return;
     std::sort(all.begin(), all.end());
-    double sum = 0;
-    for (const double a : all) sum += a;
-    out_.airspeed = sum / static_cast<double>(all.size());
+    double square = 0, cube = 0;
+    for (const double a : all) square += a * a, cube += a * a * a;
+    out_.airspeed = square > 0 ? cube / square : 0;
     range_ = {all[all.size() * 2 / 100], all[std::min(all.size() - 1, all.size() * 98 / 100)]};
   }
 
@@ -302,26 +311,24 @@ class Calibration {
     for (const auto& a : out_.assumed)
       if (a.converged) low = std::min(low, std::log(a.drag)), high = std::max(high, std::log(a.drag));
     if (out_.refused || !(high >= low)) return;
-    const double law_middle = 0.5 * (low + high);
-    if (out_.referee) {
-      const double referee = std::log(out_.referee->drag);
-      low = std::min(low, referee), high = std::max(high, referee);
-    }
+    const double middle = 0.5 * (low + high), law_half = 0.5 * (high - low);
+    // Least squares err by more than the filter, most in a short flight: what lies beyond their own sd counts.
+    const double away = out_.referee ? std::abs(std::log(out_.referee->drag) - middle) : 0;
+    const double beyond = out_.referee ? std::max(0.0, away - out_.referee->drag_sd / out_.referee->drag) : 0;
+    const double half = std::max(law_half, beyond);
     const double formal = ln_drag_sd(fits_[best_].at, fits_[best_].covariance, out_.airspeed);
-    const double half = 0.5 * (high - low);
     // Which noise it was, recorded flights do not tell well enough: the widest assumption states the sd.
     double widest = formal;
     for (const auto& a : out_.assumed)
       if (a.converged) widest = std::max(widest, a.drag_rel_sd);
-    out_.seen = FreeFlightCalibration::Seen{std::exp(0.5 * (low + high)),
-                                            std::hypot(std::max(widest, half), unexplained), formal, half};
+    out_.seen = FreeFlightCalibration::Seen{std::exp(middle), std::max(widest, half), formal, half};
     if (!out_.referee)
       out_.refused = "least squares without a drag law find no drag at all";
-    else if (std::abs(std::log(out_.referee->drag) - law_middle) > most_referee)
+    else if (beyond > most_half_range || away > most_referee_by_itself)
       out_.refused =
-          fmt::format("least squares without a drag law find {:.3f} 1/s, {:.0f} % away from {:.3f}", out_.referee->drag,
-                      100 * std::abs(std::log(out_.referee->drag) - law_middle), std::exp(law_middle));
-    else if (half > most_half_range)
+          fmt::format("least squares without a drag law find {:.3f} +- {:.3f} 1/s, {:.0f} % away from {:.3f}",
+                      out_.referee->drag, out_.referee->drag_sd, 100 * away, std::exp(middle));
+    else if (law_half > most_half_range)
       out_.refused = fmt::format(
           "the drag hangs on what is assumed of the noise: {:.3f} to {:.3f} 1/s, more than "
           "+-{:.0f} %",

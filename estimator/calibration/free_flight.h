@@ -59,7 +59,7 @@ struct FreeFlightCalibration {
   std::optional<std::string> refused;  ///< why there is no vehicle: a sentence without full stop
   std::vector<FreeFlightRun> runs;     ///< in the order given
   double excitation = 0;               ///< of the flights used, else of the best one [m/s]
-  double airspeed = 0;                 ///< mean, at which c is judged [m/s]
+  double airspeed = 0;                 ///< mean weighed by its square, at which c is judged [m/s]
   /// c at that airspeed [1/s] and the parts of its sd; also where it is only shown and not used.
   struct Seen {
     double drag = 0, rel_sd = 0, formal_rel_sd = 0, half_range = 0;

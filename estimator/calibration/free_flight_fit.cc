@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -62,6 +64,8 @@ struct Standing {
   std::vector<StandingStep> steps;
   double log_likelihood = 0;
   std::size_t accepted = 0;
+  Eigen::Vector2d wind = Eigen::Vector2d::Zero();  ///< mean of what the filter found [m/s]
+  Eigen::Vector2d trim = Eigen::Vector2d::Zero();  ///< b as it was found last [m/s2]
 };
 
 /// Runs the filter over one flight. @param gate  chi-square(2) beyond which a window is left out
@@ -74,6 +78,8 @@ Standing stand(const FitFlight& flight, const FitSettings& s, const FitVector& a
   WindFilter<double> filter(model_at(s, flight, at, std::exp(ln_turbulence), slow.attitude_interval), limits);
   const double trim_sd = ingest::standard_gravity * std::max(s.trim_between_deg, 1e-3) * degree;
   bool running = false, broken = true;
+  double settled = 0;  // steps whose wind counts: those of a filter that has found one
+  int since_start = 0;
   for (std::size_t k = 0; k < slow.steps.size(); ++k) {
     const Step& step = slow.steps[k];
     StandingStep& now = out.steps[k];
@@ -86,6 +92,7 @@ Standing stand(const FitFlight& flight, const FitSettings& s, const FitVector& a
       else
         filter.start(step.v, trim_at(s, flight, at), trim_sd * trim_sd * Eigen::Matrix2d::Identity());
       running = true, broken = false;
+      since_start = 0;
     } else {
       now.kind = StandingStep::Kind::updated;
       filter.predict(step.input);
@@ -96,8 +103,11 @@ Standing stand(const FitFlight& flight, const FitSettings& s, const FitVector& a
       now.accepted = filter.update(step.v, step.variance) == Outcome::updated;
       out.accepted += now.accepted;
       out.log_likelihood += filter.innovation().log_likelihood;
+      if (++since_start > 5) out.wind += filter.wind(), settled += 1;
     }
   }
+  out.wind = settled > 0 ? Eigen::Vector2d(out.wind / settled) : filter.wind();
+  out.trim = filter.state().segment<2>(i_b);
   return out;
 }
 
@@ -105,13 +115,12 @@ Standing stand(const FitFlight& flight, const FitSettings& s, const FitVector& a
 /// on the parameters here. Were the spread to follow them too, the drag would be bent to fit the noise level assumed: a
 /// larger drag damps the effect of a tilt noise sooner, which is likelier wherever too much of it is assumed.
 void append_residuals(const FitFlight& flight, const FitSettings& s, const FitVector& at, const Standing& standing,
-                      std::vector<double>& into) {
-  const SlowSteps& slow = steps_at(flight, s, at);
-  const auto model = model_at(s, flight, at, 0.5, slow.attitude_interval);
+                      const std::vector<Step>& steps, std::vector<double>& into) {
+  const auto model = model_at(s, flight, at, 0.5, 0.1);  // of the noise nothing is used
   State<double> x = State<double>::Zero();
   x.segment<2>(i_b) = trim_at(s, flight, at);
-  for (std::size_t k = 0; k < standing.steps.size() && k < slow.steps.size(); ++k) {
-    const Step& step = slow.steps[k];
+  for (std::size_t k = 0; k < standing.steps.size() && k < steps.size(); ++k) {
+    const Step& step = steps[k];
     const StandingStep& then = standing.steps[k];
     if (then.kind == StandingStep::Kind::skipped) continue;
     if (then.kind == StandingStep::Kind::started) {
@@ -129,6 +138,49 @@ void append_residuals(const FitFlight& flight, const FitSettings& s, const FitVe
   }
 }
 
+/// The same motion flown in calm air that moves as a whole: every step's thrust slope is replaced by the one that the
+/// vehicle's own velocity asks for in a constant wind. What the controller added against gusts is not in it.
+class CalmTwin {
+ public:
+  CalmTwin(const FitFlight& flight, const FitSettings& s, const FitVector& at, const Standing& standing)
+      : steps_(steps_at(flight, s, at).steps), slope_by_latency_(steps_.size(), Eigen::Vector2d::Zero()) {
+    const auto& acceleration = steps_at(flight, s, at).acceleration;
+    const auto model = model_at(s, flight, at, 0.5, 0.1);
+    const Eigen::Vector2d b = flight.turned ? standing.trim : trim_at(s, flight, at);
+    std::vector<Eigen::Vector2d> push(steps_.size());  // thrust's mean over each window [m/s2]
+    for (std::size_t k = 0; k < steps_.size(); ++k) {
+      const Step& step = steps_[k];
+      const Eigen::Vector2d a = step.v - standing.wind;
+      const Eigen::Vector2d trim = Eigen::Rotation2Dd(step.heading) * b;
+      push[k] = acceleration[k] + ingest::drag_coefficient(model.drag, a.norm(), 0.0) * a - trim;
+      if (k == 0 || standing.steps[k].kind != StandingStep::Kind::updated) continue;
+      State<double> x = State<double>::Zero();
+      x.segment<2>(i_v) = steps_[k - 1].v;
+      x.segment<2>(i_W) = standing.wind;
+      x.segment<2>(i_b) = b;
+      StepInput<double>& in = steps_[k].input;
+      in.slope.setZero();
+      // The mean of a force over the step moves the velocity by nearly that times the step; two rounds settle kappa.
+      for (int round = 0; round < 3; ++round) {
+        const auto moved = propagate(model, x, in);
+        const double c = model.drag.linear;
+        const double by_slope = in.lift * -std::expm1(-c * in.step) / c;
+        in.slope += (step.v - moved.x.segment<2>(i_v)) / by_slope;
+      }
+      slope_by_latency_[k] = -(push[k] - push[k - 1]) / (in.step * in.lift);
+    }
+  }
+  std::vector<Step> at_latency(double later) const {
+    auto steps = steps_;
+    for (std::size_t k = 0; k < steps.size(); ++k) steps[k].input.slope += later * slope_by_latency_[k];
+    return steps;
+  }
+
+ private:
+  std::vector<Step> steps_;
+  std::vector<Eigen::Vector2d> slope_by_latency_;  ///< [1/s]
+};
+
 class Search {
  public:
   Search(const std::vector<FitFlight>& flights, const FitSettings& s)
@@ -144,19 +196,18 @@ class Search {
       gate_ = fit.iterations < 4 ? 1e9 : 18.4;
       const double moved = fit_turbulence(fit.at);
       const Whitened w = whitened(fit.at);
-      const FitVector step = gauss_newton(w, fit.at);
-      const double part = try_step(fit.at, step);
+      const FitVector step = newton(w, fit.at);
+      const double part = try_step(w, fit.at, step);
       fit.at += part * step;
-      const FitMatrix precision = w.jacobian.transpose() * w.jacobian + s_.prior_information;
+      const FitMatrix precision = w.instruments.transpose() * w.instruments + s_.prior_information;
       const double size = std::sqrt(step.dot(precision * step));
       fit.converged = fit.iterations >= 5 && size < 0.03 && moved < 0.05;
     }
     forget();
     stand_at(fit.at);
     const Whitened w = whitened(fit.at);
-    fit.information = w.jacobian.transpose() * w.jacobian;
+    fit.information = w.information();
     fit.covariance = (fit.information + s_.prior_information).inverse();
-    fit.fit = value(w.residual, fit.at);
     for (const auto& one : standing_) fit.log_likelihood += one.log_likelihood;
     for (const double ln : ln_turbulence_) fit.turbulence_sd.push_back(std::exp(ln));
     return fit;
@@ -174,11 +225,17 @@ class Search {
     Whitened w;
     w.residual = residuals(at);
     w.jacobian.resize(w.residual.size(), fit_count);
+    w.instruments.resize(w.residual.size(), fit_count);
+    std::vector<CalmTwin> twins;
+    for (std::size_t k = 0; k < flights_.size(); ++k) twins.emplace_back(flights_[k], s_, at, standing_[k]);
     for (int i = 0; i < fit_count; ++i) {
       FitVector up = at, down = at;
       const double h = width[static_cast<std::size_t>(i)];
       up(i) += h, down(i) -= h;
       w.jacobian.col(i) = (residuals(up) - residuals(down)) / (2 * h);
+      w.instruments.col(i) = (twin_residuals(twins, up, up(f_latency) - at(f_latency)) -
+                              twin_residuals(twins, down, down(f_latency) - at(f_latency))) /
+                             (2 * h);
     }
     return w;
   }
@@ -189,14 +246,16 @@ class Search {
   }
   Eigen::VectorXd residuals(const FitVector& at) const {
     std::vector<double> all;
-    for (std::size_t k = 0; k < flights_.size(); ++k) append_residuals(flights_[k], s_, at, standing_[k], all);
+    for (std::size_t k = 0; k < flights_.size(); ++k)
+      append_residuals(flights_[k], s_, at, standing_[k], steps_at(flights_[k], s_, at).steps, all);
     return Eigen::Map<Eigen::VectorXd>(all.data(), static_cast<Eigen::Index>(all.size()));
   }
-  double value(const Eigen::VectorXd& residual, const FitVector& at) const {
-    const FitVector off = at - s_.prior;
-    return -0.5 * residual.squaredNorm() - 0.5 * off.dot(s_.prior_information * off);
+  Eigen::VectorXd twin_residuals(const std::vector<CalmTwin>& twins, const FitVector& at, double later) const {
+    std::vector<double> all;
+    for (std::size_t k = 0; k < flights_.size(); ++k)
+      append_residuals(flights_[k], s_, at, standing_[k], twins[k].at_latency(later), all);
+    return Eigen::Map<Eigen::VectorXd>(all.data(), static_cast<Eigen::Index>(all.size()));
   }
-
   /// sigma_u of each flight by the likelihood of its innovations at this drag. Leaves the filter standing there.
   double fit_turbulence(const FitVector& at) {
     double moved = 0;
@@ -218,29 +277,39 @@ class Search {
     return moved;
   }
 
-  FitVector gauss_newton(const Whitened& w, const FitVector& at) const {
-    FitMatrix information = w.jacobian.transpose() * w.jacobian + s_.prior_information;
-    FitVector slope = -w.jacobian.transpose() * w.residual - s_.prior_information * (at - s_.prior);
-    if (!s_.quadratic) {
-      information.row(f_quadratic).setZero();
-      information.col(f_quadratic).setZero();
-      information(f_quadratic, f_quadratic) = 1;
-      slope(f_quadratic) = 0;
-    }
-    FitVector step = information.ldlt().solve(slope);
+  /// What must vanish at the end: the residuals' part along the instruments, and the prior's pull.
+  FitVector pull(const Whitened& w, const Eigen::VectorXd& residual, const FitVector& at) const {
+    return w.instruments.transpose() * residual + s_.prior_information * (at - s_.prior);
+  }
+  void hold_quadratic(FitMatrix& M, FitVector& g) const {
+    if (s_.quadratic) return;
+    M.row(f_quadratic).setZero();
+    M.col(f_quadratic).setZero();
+    M(f_quadratic, f_quadratic) = 1;
+    g(f_quadratic) = 0;
+  }
+  FitVector newton(const Whitened& w, const FitVector& at) const {
+    FitMatrix slope = w.instruments.transpose() * w.jacobian + s_.prior_information;
+    FitVector g = pull(w, w.residual, at);
+    hold_quadratic(slope, g);
+    FitVector step = -slope.partialPivLu().solve(g);
     double shrink = 1;
     for (int i = 0; i < fit_count; ++i)
       shrink = std::min(shrink, longest[static_cast<std::size_t>(i)] / std::max(1e-12, std::abs(step(i))));
     return shrink * step;
   }
 
-  /// The part of the step that makes the squares smaller.
-  double try_step(const FitVector& at, const FitVector& step) const {
-    const double now = value(residuals(at), at);
-    for (double part = 1; part > 0.01; part /= 2) {
-      const FitVector next = at + part * step;
-      if (value(residuals(next), next) >= now) return part;
-    }
+  /// The part of the step that makes the pull smaller, in units of its own spread.
+  double try_step(const Whitened& w, const FitVector& at, const FitVector& step) const {
+    const auto size = [&](const FitVector& x) {
+      FitMatrix M = w.instruments.transpose() * w.instruments + s_.prior_information;
+      FitVector g = pull(w, residuals(x), x);
+      hold_quadratic(M, g);
+      return g.dot(M.ldlt().solve(g));
+    };
+    const double now = size(at);
+    for (double part = 1; part > 0.01; part /= 2)
+      if (size(at + part * step) <= now) return part;
     return 0;
   }
 
@@ -256,6 +325,13 @@ class Search {
 std::string TiltNoise::words() const {
   return correlation_s > 0 ? fmt::format("{:g} deg over {:g} s", sd_deg, correlation_s)
                            : fmt::format("{:g} deg white", sd_deg);
+}
+
+FitMatrix Whitened::information() const {
+  const FitMatrix by_motion = instruments.transpose() * jacobian;
+  FitMatrix spread = instruments.transpose() * instruments;
+  spread.diagonal().array() += 1e-9;
+  return by_motion.transpose() * spread.ldlt().solve(by_motion);
 }
 
 double fitted_drag(const FitVector& at, double airspeed) { return std::exp(at(f_drag)) + at(f_quadratic) * airspeed; }

@@ -44,7 +44,6 @@ struct FreeFit {
   FitMatrix covariance = FitMatrix::Zero();   ///< with the prior, kappa included even where it is held
   std::vector<double> turbulence_sd;          ///< of each flight, most likely [m/s]
   double log_likelihood = 0;                  ///< of all innovations
-  double fit = 0;                             ///< -1/2 of their squares and the prior's: what the search raises
   int iterations = 0;
   bool converged = false;
 };
@@ -57,6 +56,10 @@ FreeFit fit_free_flights(const std::vector<FitFlight>& flights, const FitSetting
 struct Whitened {
   Eigen::VectorXd residual;
   Eigen::Matrix<double, Eigen::Dynamic, fit_count> jacobian;
+  /// The same derivatives for the same motion in a constant wind: the tilt that the controller sets against gusts,
+  /// which is correlated with the residuals, is not in them.
+  Eigen::Matrix<double, Eigen::Dynamic, fit_count> instruments;
+  FitMatrix information() const;  ///< of the parameters at which instruments and residuals are orthogonal
 };
 Whitened whiten(const std::vector<FitFlight>& flights, const FitSettings& settings, const FitVector& at,
                 const std::vector<double>& turbulence_sd);

@@ -87,7 +87,7 @@ std::optional<FitMatrix> information_of(Manoeuvre manoeuvre, const FitVector& at
   SlowMotion motion(flown->flight, {});
   settings.trim_between_deg = 0;
   const Whitened w = whiten({{&motion, 1, true}}, settings, at, {scenario.wind.sigma_u});
-  return FitMatrix(w.jacobian.transpose() * w.jacobian);
+  return FitMatrix(w.information());
 }
 
 FitMatrix covariance_of(const FitMatrix& information, const FitVector& prior_sd) {

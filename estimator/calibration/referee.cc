@@ -21,13 +21,13 @@ using Balances = std::vector<std::vector<Balance>>;
 struct Solution {
   Eigen::VectorXd at;
   Eigen::MatrixXd covariance;
-  double square = 0, airspeed = 0;
+  double square = 0, airspeed_2 = 0, airspeed_3 = 0;
   std::size_t windows = 0;
 };
 
 /// Residual of one window and its derivatives by the six parameters that it knows.
 void add_window(const Balance& b, double scale, Eigen::Index first, const Eigen::VectorXd& x, bool turned,
-                Eigen::MatrixXd& normal, Eigen::VectorXd& right, double& square, double& airspeed) {
+                Eigen::MatrixXd& normal, Eigen::VectorXd& right, Solution& sums) {
   const Eigen::Vector2d a = b.velocity - x.segment<2>(first);
   const double size = std::max(a.norm(), 1e-3), f = scale * (x(0) + x(1) * size);
   Eigen::Matrix2d R;
@@ -40,8 +40,8 @@ void add_window(const Balance& b, double scale, Eigen::Index first, const Eigen:
   if (turned) J.middleCols<2>(first + 2) = R;
   normal += J.transpose() * J;
   right -= J.transpose() * residual;
-  square += residual.squaredNorm();
-  airspeed += a.norm();
+  sums.square += residual.squaredNorm();
+  sums.airspeed_2 += size * size, sums.airspeed_3 += size * size * size;
 }
 
 std::optional<Solution> solve(const Balances& all, const std::vector<RefereeFlight>& flights) {
@@ -52,16 +52,15 @@ std::optional<Solution> solve(const Balances& all, const std::vector<RefereeFlig
   for (int round = 0; round < 25; ++round) {
     Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(count, count);
     Eigen::VectorXd right = Eigen::VectorXd::Zero(count);
-    out.square = out.airspeed = 0, out.windows = 0;
+    out.square = out.airspeed_2 = out.airspeed_3 = 0, out.windows = 0;
     for (std::size_t k = 0; k < all.size(); ++k) {
       const auto first = static_cast<Eigen::Index>(2 + 4 * k);
       for (const auto& b : all[k])
-        add_window(b, flights[k].drag_scale, first, out.at, flights[k].turned, normal, right, out.square, out.airspeed);
+        add_window(b, flights[k].drag_scale, first, out.at, flights[k].turned, normal, right, out);
       out.windows += all[k].size();
       if (!flights[k].turned) normal(first + 2, first + 2) += 1, normal(first + 3, first + 3) += 1;
     }
     if (out.windows < 10) return std::nullopt;
-    out.airspeed /= static_cast<double>(out.windows);
     // Windows overlap by half, so that two of them are worth one.
     const double dof = std::max(1.0, static_cast<double>(out.windows) - static_cast<double>(count));
     const double variance = std::max(1e-8, out.square / dof);
@@ -116,7 +115,7 @@ std::optional<Referee> judge_without_law(const std::vector<RefereeFlight>& fligh
   const Solution& solution = found->second;
   if (!solution.at.allFinite()) return std::nullopt;
   Referee out;
-  out.airspeed = solution.airspeed;
+  out.airspeed = solution.airspeed_3 / solution.airspeed_2;
   out.latency = found->first;
   out.windows = solution.windows;
   out.drag = solution.at(0) + solution.at(1) * out.airspeed;

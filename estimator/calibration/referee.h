@@ -10,9 +10,9 @@
 namespace quadsonde::estimator {
 
 struct Referee {
-  double drag = 0, drag_sd = 0;       ///< c at the mean airspeed and the air density of the law [1/s]
+  double drag = 0, drag_sd = 0;       ///< c at that airspeed and the air density of the law [1/s]
   double latency = 0;                 ///< at which the residual is least [s]
-  double airspeed = 0;                ///< mean [m/s]
+  double airspeed = 0;                ///< mean weighed by its square [m/s]
   double residual_rms = 0;            ///< of the force balance [m/s2]
   std::vector<Eigen::Vector2d> wind;  ///< of each flight, N and E [m/s]
   std::size_t windows = 0;

@@ -84,6 +84,15 @@ Sums weighed_input(Integrals& integrals, double t, double window, double drag) {
   return sum * (1 / weights);
 }
 
+/// Between means of half a second around both ends.
+Eigen::Vector2d acceleration_over(Integrals& integrals, double from, double to) {
+  constexpr double half = 0.25;
+  const double first = std::max(from, half), last = std::min(to, integrals.end() - half);
+  const Eigen::Vector2d change =
+      integrals.mean(last - half, last + half).velocity - integrals.mean(first - half, first + half).velocity;
+  return change / (last - first);
+}
+
 SlowSteps make_steps_of(const Steps& all, const SlowSettings& settings, double drag, bool white) {
   SlowSteps out;
   out.attitude_interval = all.attitude_interval;
@@ -114,6 +123,7 @@ SlowSteps make_steps_of(const Steps& all, const SlowSettings& settings, double d
     step.sound = in.unsound <= 0 && here.unsound <= 0 && std::abs(here.v_down) <= settings.most_climb;
     out.sound += step.sound;
     out.steps.push_back(step);
+    out.acceleration.push_back(acceleration_over(integrals, t - 0.5 * T, t + 0.5 * T));
   }
   return out;
 }

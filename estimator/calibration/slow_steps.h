@@ -16,7 +16,8 @@ struct SlowSettings {
 };
 
 struct SlowSteps {
-  std::vector<Step> steps;  ///< one per window, at its middle
+  std::vector<Step> steps;                    ///< one per window, at its middle
+  std::vector<Eigen::Vector2d> acceleration;  ///< of the vehicle, mean over each window [m/s2]
   double attitude_interval = 0.1;
   std::size_t sound = 0;  ///< of them
 };
