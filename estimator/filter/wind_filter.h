@@ -123,6 +123,18 @@ class WindFilter {
     S_.template middleCols<2>(c_trim_x).setZero();
   }
 
+  /// Goes over to another drag and latency: what the state has run with the old ones is made good by its
+  /// sensitivities. The caller reads the attitude at the new latency from here on.
+  /// @param ln_factor  on delta and kappa    @param latency  added to it [s]
+  void adopt(S ln_factor, S latency) {
+    const S factor = std::exp(ln_factor);
+    auto& law = model_.drag;
+    x_ += S_.col(c_linear) * ((factor - S(1)) * law.linear) + S_.col(c_quadratic) * ((factor - S(1)) * law.quadratic) +
+          S_.col(c_latency) * latency;
+    law.linear *= factor;
+    law.quadratic *= factor;
+  }
+
   void set_turbulence_sd(S sd) { model_.turbulence_sd = sd; }
 
   const State<S>& state() const { return x_; }

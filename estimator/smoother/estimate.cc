@@ -4,13 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <numbers>
 
 #include "estimator/filter/classic_filter.h"
 #include "estimator/smoother/likelihood.h"
 #include "estimator/smoother/passes.h"
 #include "estimator/smoother/self_checks.h"
+#include "estimator/smoother/vertical_wind.h"
 
 namespace quadsonde::estimator {
 namespace {
@@ -149,6 +149,7 @@ class Estimation {
 
   void run_smoothed() {
     fit_velocity_noise();
+    if (settings_.online_drag) learn_drag();
     find_jumps();
     fit_turbulence();
     if (fit_climb_law()) fit_turbulence();
@@ -156,7 +157,7 @@ class Estimation {
     pass_.keep_trace = true;
     ForwardPass forward = run_forward(steps_.steps, pass_);
     auto trace = std::make_shared<SmootherTrace>(std::move(forward.trace));
-    trace->consider = consider_covariance(vehicle_, settings_, pass_.trim_covariance, pass_.model.trim_is_state);
+    trace->consider = considered(pass_.model.trim_is_state);
     smooth(*trace);
     widen_climb_law(*trace);
     note(forward);
@@ -171,10 +172,89 @@ class Estimation {
       add_point(k, &wind, trace->consider, pass_.model.trim_is_state);
     }
     if (!trace->steps.empty()) note_trim(trace->steps.back().x, trace->steps.back().P);
+    series_.diagnostics.vertical =
+        estimate_vertical_wind(flight_, vehicle_, density_.value, steps_.steps, series_);
     check_itself(forward, trace->consider);
     trace->input = steps_.steps;
     trace->settings = pass_;
     series_.trace = trace;
+  }
+
+  ConsiderCovariance considered(bool trim_is_state) const {
+    ConsiderCovariance C = consider_covariance(vehicle_, settings_, pass_.trim_covariance, trim_is_state);
+    if (!learned_) return C;
+    // The climb law may have been found meanwhile; it stands beside what was learned.
+    for (const int i : {c_linear, c_quadratic, c_latency})
+      for (const int j : {c_linear, c_quadratic, c_latency}) C(i, j) = (*learned_)(i, j);
+    return C;
+  }
+
+  /// Drag factor and latency of the whole flight: Gauss and Newton, the innovations of one pass after the other at the
+  /// law of the one before. Where the motion never tells of them, everything stays as it is.
+  void learn_drag() {
+    auto pass = pass_;
+    pass.jump_test = false;
+    pass.jumps.clear();
+    pass.learning = Learning::gather;
+    const auto prior_law = vehicle_.drag;
+    const double prior_latency = vehicle_.latency_s;
+    const auto prior = consider_covariance(vehicle_, settings_, pass_.trim_covariance, pass_.model.trim_is_state);
+    ForwardPass told;
+    double ln_factor = 0, latency = prior_latency;
+    constexpr int most_rounds = 8;
+    for (int round = 0; round < most_rounds; ++round) {
+      // In the first rounds the law is still wrong, and the gate would throw out what says so.
+      pass.limits.gate_nis = round < 2 ? 1e9 : settings_.gate_nis;
+      pass.consider = at_factor(prior, std::exp(ln_factor));
+      pass.ln_factor_ahead = -ln_factor;
+      pass.latency_ahead = prior_latency - latency;
+      if (!settings_.turbulence_sd_m_s)
+        pass.model.turbulence_sd = most_likely_turbulence(steps_.steps, without_learning(pass));
+      told = run_forward(steps_.steps, pass);
+      if (told.learned.seconds == 0) break;
+      const double move = std::clamp(told.learned.ln_factor, -0.4, 0.4);
+      const double later = std::clamp(latency + told.learned.latency, 0.0, 0.6) - latency;
+      ln_factor += move, latency += later;
+      pass.model.drag.linear = prior_law.linear * std::exp(ln_factor);
+      pass.model.drag.quadratic = prior_law.quadratic * std::exp(ln_factor);
+      vehicle_.latency_s = latency;
+      vehicle_.drag = pass.model.drag;
+      if (std::abs(later) > 1e-4) lay_steps();
+      if (round >= 3 && std::abs(move) < 0.1 * told.learned.ln_factor_sd) break;
+    }
+    note_learned(told, ln_factor, latency, prior_latency);
+    if (told.learned.seconds == 0) return;
+    pass_.model.drag = vehicle_.drag;
+    learned_ = told.learned.covariance;
+  }
+
+  static PassSettings without_learning(PassSettings pass) {
+    pass.learning = Learning::off;
+    return pass;
+  }
+
+  /// ln of the factor has one sd wherever the law stands; delta's own grows with it.
+  static ConsiderCovariance at_factor(ConsiderCovariance C, double factor) {
+    C.middleRows<2>(c_linear) *= factor;
+    C.middleCols<2>(c_linear) *= factor;
+    return C;
+  }
+
+  void note_learned(const ForwardPass& pass, double ln_factor, double latency, double prior_latency) {
+    OnlineDrag drag;
+    drag.seconds = pass.learned.seconds;
+    drag.factor = std::exp(ln_factor);
+    drag.sd = pass.learned.ln_factor_sd;
+    drag.latency = drag.seconds > 0 ? latency : prior_latency;
+    drag.latency_sd = pass.learned.latency_sd;
+    for (std::size_t k = 0; k < pass.learning.size(); ++k) {
+      if (!pass.learning[k].updated) continue;
+      const auto when = steps_.steps[k].time;
+      if (!drag.first) drag.first = when;
+      drag.last = when;
+    }
+    learning_ = pass.learning;
+    series_.diagnostics.online_drag = drag;
   }
 
   /// The climb law is an exponent: at sd s of it the drag may be exp(1.96 s) too small, not only 1.96 s. Its
@@ -204,6 +284,8 @@ class Estimation {
     checks.push_back(innovation_size(forward));
     checks.push_back(innovation_whiteness(forward));
     checks.push_back(hold_out(steps_.steps, pass_, consider));
+    if (!flight_.accelerometer.empty())
+      checks.push_back(accelerometer_path(flight_, pass_.model.drag, series_, steps_.steps));
     Reasons failed;
     for (const auto& check : checks)
       if (check.judged && !check.passed) failed.add(check.reason);
@@ -275,15 +357,26 @@ class Estimation {
   void run_causal() {
     pass_.causal = true;
     pass_.adapt_turbulence = !settings_.turbulence_sd_m_s.has_value();
+    const auto frozen = consider_covariance(vehicle_, settings_, pass_.trim_covariance, false);
+    if (settings_.online_drag) {
+      pass_.learning = Learning::adopt;
+      pass_.consider = frozen;
+      // No attitude is read before the velocity that it explains, and none half a second behind it.
+      pass_.least_latency = -vehicle_.latency_s;
+      pass_.most_latency = 0.6 - vehicle_.latency_s;
+    }
     const auto pass = run_forward(steps_.steps, pass_);
     series_.diagnostics.jumps = static_cast<int>(pass.found_jumps.size());
     note(pass);
     note_trim(pass.x, pass.P);
     pass_.model.turbulence_sd = pass.trace.turbulence_sd;
-    const auto frozen = consider_covariance(vehicle_, settings_, pass_.trim_covariance, false);
+    if (settings_.online_drag)
+      note_learned(pass, pass.learned.ln_factor, vehicle_.latency_s + pass.learned.latency, vehicle_.latency_s);
     for (std::size_t k = 0; k < steps_.steps.size(); ++k) {
       const auto& point = pass.causal[k];
-      add_point(k, pass.active[k] ? &point.wind : nullptr, frozen, point.trim_is_state);
+      const bool learned = settings_.online_drag && pass.learned.seconds > 0;
+      add_point(k, pass.active[k] ? &point.wind : nullptr, frozen, point.trim_is_state,
+                learned ? &point.considered : nullptr);
     }
   }
 
@@ -323,6 +416,12 @@ class Estimation {
   WindPoint place_point(std::size_t k) {
     const Step& step = steps_.steps[k];
     WindPoint point;
+    if (const auto& drag = series_.diagnostics.online_drag; drag && k < learning_.size()) {
+      const LearnedStep& then = learning_[k];
+      const bool whole = settings_.mode == Mode::smoothed;
+      point.drag = {whole ? static_cast<float>(drag->factor) : std::exp(then.ln_factor),
+                    whole ? static_cast<float>(drag->sd) : then.ln_factor_sd, then.updated};
+    }
     point.time = step.time - ingest::seconds(vehicle_.latency_s);
     point.utc = flight_.clock.to_utc(point.time);
     point.v_up = -step.input.v_down;
@@ -351,7 +450,8 @@ class Estimation {
     return H{stream.value[hint].m + part * (stream.value[hint + 1].m - stream.value[hint].m)};
   }
 
-  void add_point(std::size_t k, const WindPosterior* wind, const ConsiderCovariance& consider, bool trim_is_state) {
+  void add_point(std::size_t k, const WindPosterior* wind, const ConsiderCovariance& consider, bool trim_is_state,
+                 const Eigen::Matrix2d* considered = nullptr) {
     const Step& step = steps_.steps[k];
     WindPoint point = place_point(k);
     if (!wind || !step.sound) {
@@ -370,7 +470,8 @@ class Estimation {
     estimate.v_NA_N = wind->wind;
     auto C = consider;
     if (trim_is_state) C.block<2, 2>(c_trim_x, c_trim_x).setZero();
-    estimate.covariance = wind->covariance + wind->sensitivity * C * wind->sensitivity.transpose();
+    const Eigen::Matrix2d constant = wind->sensitivity * C * wind->sensitivity.transpose();
+    estimate.covariance = wind->covariance + (considered ? *considered : constant);
     point.wind = estimate;
     point.v_AB_N = wind->velocity - wind->wind;
     judge(point, estimate, step, trim_is_state);
@@ -454,23 +555,11 @@ class Estimation {
     for (const auto& step : steps_.steps) d.max_tilt_deg = std::max(d.max_tilt_deg, step.tilt / degree);
   }
 
-  /// X = rms of (v - its projection on span{1, exp(i psi)}), v as N + iE [m/s].
   double excitation() const {
-    using C = std::complex<double>;
-    C sum_v = 0, sum_e = 0, sum_ve = 0;
-    double n = 0, sum_vv = 0;
-    for (const auto& step : steps_.steps) {
-      if (!step.sound) continue;
-      const C v(step.v.x(), step.v.y()), e = std::polar(1.0, step.heading);
-      sum_v += v, sum_e += e, sum_ve += v * std::conj(e), sum_vv += std::norm(v), n += 1;
-    }
-    if (n < 3) return 0;
-    // Least squares of v = p + q e: normal equations with |e| = 1.
-    const double det = n * n - std::norm(sum_e);
-    if (det < 1e-9 * n * n) return std::sqrt(std::max(0.0, sum_vv / n - std::norm(sum_v / n)));
-    const C q = (n * sum_ve - sum_v * std::conj(sum_e)) / det, p = (sum_v - q * sum_e) / n;
-    const double explained = (p * std::conj(sum_v) + q * std::conj(sum_ve)).real();
-    return std::sqrt(std::max(0.0, (sum_vv - explained) / n));
+    ExcitationSums sums;
+    for (const auto& step : steps_.steps)
+      if (step.sound) sums.add(step.v.x(), step.v.y(), step.heading);
+    return sums.weight() < 3 ? 0 : sums.index();
   }
 
   const Flight& flight_;
@@ -480,6 +569,8 @@ class Estimation {
   Steps steps_;
   PassSettings pass_;
   WindSeries series_;
+  std::optional<ConsiderCovariance> learned_;  ///< in place of the vehicle's, where drag and latency were learned
+  std::vector<LearnedStep> learning_;          ///< per step, where they were to be
   bool jump_test_off_ = false;
   std::size_t msl_hint_ = 0, agl_hint_ = 0;
 };

@@ -21,6 +21,7 @@ struct EstimateSettings {
   double vertical_wind_time_s = 5.0;
   bool jump_test = true;
   bool estimate_climb_law = true;
+  bool online_drag = false;
   std::optional<double> air_density_kg_m3;
   /// The take-off point's height, when the caller knows it; a flight's own height above take-off wins.
   std::optional<ingest::MslHeight> takeoff;
@@ -41,6 +42,7 @@ void describe(EstimateSettings& s, Visitor&& visit) {
   visit("vertical_wind_time_s", s.vertical_wind_time_s, 0.5, 60.0, "Correlation time of the vertical wind.");
   visit("jump_test", s.jump_test, "Open the filter where the innovations say that the wind stepped.");
   visit("estimate_climb_law", s.estimate_climb_law, "Let the climb law join the estimate when ascent and descent are flown.");
+  visit("online_drag", s.online_drag, "Learn a factor on the drag and the latency in flight, while the motion tells of them.");
   visit("air_density_kg_m3", s.air_density_kg_m3, 0.3, 2.0, "Air density; left out, it comes from the log or the standard atmosphere.");
 }
 

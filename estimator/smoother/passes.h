@@ -3,6 +3,7 @@
 // Source: estimator/MODEL.md sections 7 and 8.
 #include <vector>
 
+#include "estimator/filter/online_drag.h"
 #include "estimator/filter/wind_filter.h"
 #include "estimator/smoother/steps.h"
 
@@ -19,6 +20,10 @@ struct SmoothedStep {
   Sensitivity<double> S = Sensitivity<double>::Zero();
 };
 
+/// Whether a pass learns drag and latency: going over to every new estimate at once, or only gathering what the flight
+/// tells of them while the filter keeps the law that it has.
+enum class Learning : unsigned char { off, adopt, gather };
+
 struct PassSettings {
   WindModel<double> model;
   FilterLimits<double> limits;
@@ -31,6 +36,11 @@ struct PassSettings {
   bool keep_trace = false;
   bool causal = false;              ///< the trim thaws once the heading has turned, sigma_u follows the turbulence
   bool adapt_turbulence = false;    ///< causal: sigma_u by EM over the past 120 s
+  Learning learning = Learning::off;
+  ConsiderCovariance consider = ConsiderCovariance::Zero();  ///< prior of what is learned and of the rest
+  double ln_factor_ahead = 0, latency_ahead = 0;  ///< gather: prior means less what the filter runs with
+  double most_latency = 0.5;        ///< that may be added [s]; the log's own one is in the steps already
+  double least_latency = 0;
 };
 
 /// What the smoother knows, step by step. Only active steps (those the filter ran on) are here.
@@ -59,6 +69,21 @@ WindPosterior wind_posterior(const State<double>& x, const StateMatrix<double>& 
 struct CausalPoint {
   WindPosterior wind;
   bool trim_is_state = false;
+  Eigen::Matrix2d considered = Eigen::Matrix2d::Zero();  ///< learning: what the parameters add at this time
+};
+
+/// Drag and latency at a step, against what the pass began with.
+struct LearnedStep {
+  float ln_factor = 0, ln_factor_sd = 0;
+  bool updated = false;  ///< this step's velocity told of them
+};
+
+/// What a pass has learned by its end.
+struct LearnedDrag {
+  double ln_factor = 0, ln_factor_sd = 0;
+  double latency = 0, latency_sd = 0;  ///< beyond the one in the steps [s]
+  double seconds = 0;                  ///< during which it learned
+  ConsiderCovariance covariance = ConsiderCovariance::Zero();  ///< at the learned law, in the order of ConsiderIndex
 };
 
 struct ForwardPass {
@@ -70,6 +95,8 @@ struct ForwardPass {
   std::vector<Outcome> outcome;           ///< per step
   std::vector<bool> active;               ///< per step: the filter ran
   std::vector<CausalPoint> causal;        ///< per step, in causal mode
+  std::vector<LearnedStep> learning;      ///< per step, where the pass learns
+  LearnedDrag learned;
   std::vector<Eigen::Vector2d> whitened;  ///< per step; zero where there was no update
   State<double> x = State<double>::Zero();
   StateMatrix<double> P = StateMatrix<double>::Zero();

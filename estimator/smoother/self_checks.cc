@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "estimator/smoother/chi_square.h"
+#include "estimator/smoother/window_means.h"
 
 namespace quadsonde::estimator {
 namespace {
@@ -256,6 +257,74 @@ SelfCheck hold_out(std::vector<Step> steps, PassSettings settings, const Conside
   check.passed = chi_square_tail(chi2, dof) > 1e-3;
   check.sentence = fmt::format("velocities kept from the filter were foretold: chi-square {:.1f} for {} degrees of freedom",
                                chi2, dof);
+  return check;
+}
+
+namespace {
+Eigen::Vector3d itself(const Eigen::Vector3d& f) { return f; }
+}  // namespace
+
+SelfCheck accelerometer_path(const ingest::Flight& flight, const ingest::DragLaw<double>& law,
+                             const WindSeries& series, const std::vector<Step>& steps) {
+  SelfCheck check{"accelerometer_path_m_s", "", 0, {}, {}, false, true, Reason::accelerometer_differs};
+  constexpr double window = 5;
+  if (flight.accelerometer.empty()) {
+    check.sentence = "no accelerometer to hold the attitude against";
+    return check;
+  }
+  WindowMeans<Eigen::Vector3d, Eigen::Vector3d> forces(flight.accelerometer, itself);
+  // In windows: drag per mass along forward and right as the attitude's wind has it, and as the accelerometer reads it.
+  std::vector<Eigen::Vector2d> told, read;
+  double drag = 0;
+  std::size_t k = 0;
+  while (k < steps.size()) {
+    const std::size_t first = k;
+    Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+    double count = 0, c_sum = 0;
+    for (; k < steps.size() && steps[k].seconds < steps[first].seconds + window; ++k) {
+      const auto& point = series.points[k];
+      if (!steps[k].sound || !point.v_AB_N) continue;
+      const Eigen::Vector2d a = *point.v_AB_N;
+      const double c = ingest::drag_coefficient(law, std::hypot(a.norm(), point.v_up), point.v_up);
+      const double cos = std::cos(steps[k].heading), sin = std::sin(steps[k].heading);
+      // In-plane airspeed: the horizontal one turned to the nose, and the climb's part through the tilt.
+      const Eigen::Vector2d s(cos * steps[k].input.slope.x() + sin * steps[k].input.slope.y(),
+                              -sin * steps[k].input.slope.x() + cos * steps[k].input.slope.y());
+      sum += -c * (Eigen::Vector2d(cos * a.x() + sin * a.y(), -sin * a.x() + cos * a.y()) - s * point.v_up);
+      c_sum += c;
+      ++count;
+    }
+    const auto force = forces.over(series.points[first].time, series.points[k - 1].time, 10);
+    if (count < 10 || !force || k - first > 1.1 * count) continue;
+    told.push_back(sum / count);
+    read.push_back(force->head<2>());
+    drag += c_sum / count;
+  }
+  const auto n = static_cast<double>(told.size());
+  if (told.size() < 8) {
+    check.sentence = "too short to hold the accelerometer against the attitude";
+    return check;
+  }
+  drag /= n;
+  Eigen::Vector2d mean_told = Eigen::Vector2d::Zero(), mean_read = mean_told;
+  for (std::size_t i = 0; i < told.size(); ++i) mean_told += told[i] / n, mean_read += read[i] / n;
+  double tt = 0, tr = 0, rr = 0, off = 0;
+  for (std::size_t i = 0; i < told.size(); ++i) {
+    const Eigen::Vector2d t = told[i] - mean_told, r = read[i] - mean_read;
+    tt += t.squaredNorm() / (2 * n), tr += t.dot(r) / (2 * n), rr += r.squaredNorm() / (2 * n);
+    off += (r - t).squaredNorm() / (2 * n);
+  }
+  check.value = std::sqrt(off) / drag;
+  const double moved = std::sqrt(tt) / drag, correlation = tt > 0 && rr > 0 ? tr / std::sqrt(tt * rr) : 0;
+  check.limit = std::max(1.0, 0.5 * moved);
+  check.judged = moved >= 1;
+  check.passed = check.value <= *check.limit;
+  check.sentence = fmt::format(
+      "the accelerometer's airspeed differs from the attitude's by {:.2f} m/s per axis over {:g} s (correlation {:.2f}, "
+      "slope {:.2f}){}",
+      check.value, window, correlation, tt > 0 ? tr / tt : 0,
+      check.judged ? fmt::format(" (limit {:.1f})", *check.limit)
+                   : " (not judged: the airspeed along the nose hardly changes)");
   return check;
 }
 

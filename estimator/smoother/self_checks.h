@@ -18,4 +18,9 @@ SelfCheck innovation_whiteness(const ForwardPass& pass);
 /// @param consider   covariance of the consider parameters
 SelfCheck hold_out(std::vector<Step> steps, PassSettings settings, const ConsiderCovariance& consider);
 
+/// What the body accelerometer reads along forward and right is drag alone, without attitude and without thrust: means
+/// over 5 s against the drag of the attitude's wind, each about its mean (the sensor's bias), in m/s of airspeed.
+SelfCheck accelerometer_path(const ingest::Flight& flight, const ingest::DragLaw<double>& law, const WindSeries& series,
+                             const std::vector<Step>& steps);
+
 }  // namespace quadsonde::estimator

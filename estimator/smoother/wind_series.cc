@@ -39,6 +39,9 @@ constexpr ReasonText texts[] = {
     {"height_drift", "the height drifted by more than half a bin during the flight", Quality::doubtful},
     {"uncalibrated", "no vehicle file: the drag is that of a class of vehicles", Quality::good},
     {"standard_density", "the air density is that of the standard atmosphere", Quality::good},
+    {"accelerometer_differs", "the accelerometer tells of another airspeed than the attitude", Quality::doubtful},
+    {"no_thrust_model", "no thrust model: without rotor speeds that give the thrust there is no vertical wind",
+     Quality::none},
 };
 static_assert(std::size(texts) == static_cast<std::size_t>(Reason::count));
 

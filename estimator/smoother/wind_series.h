@@ -44,6 +44,8 @@ enum class Reason : std::uint8_t {
   height_drift,        ///< take-off and landing, or barometer and GNSS, disagree on the height
   uncalibrated,        ///< class prior instead of a vehicle file (told, not a fault of the value)
   standard_density,    ///< air density from the standard atmosphere
+  accelerometer_differs,  ///< the body accelerometer tells of another airspeed than the attitude
+  no_thrust_model,     ///< vertical wind: the log has no rotor speeds, or they do not give the thrust well enough
   count
 };
 /// One sentence for people, without full stop.
@@ -106,6 +108,18 @@ struct WindPoint {
   Reasons reasons;
   /// Velocity of the vehicle relative to the air, N and E [m/s]: the rest of the state; empty where the wind is.
   std::optional<Eigen::Vector2d> v_AB_N;
+  /// Online drag: the factor on the vehicle's drag as of this instant (smoothed: as of the whole flight), its sd, and
+  /// whether this instant told of it. Empty where the drag is not learned.
+  struct Drag {
+    float factor = 1, sd = 0;
+    bool updated = false;
+  };
+  std::optional<Drag> drag;
+  /// Vertical wind, up positive, and its sd [m/s]. Empty: no thrust model, and the flight's diagnostics say why.
+  struct Vertical {
+    float wind_up = 0, sd = 0;
+  };
+  std::optional<Vertical> vertical;
 };
 
 enum class Mode { smoothed, causal, classic };
@@ -124,6 +138,25 @@ struct SelfCheck {
   bool judged = false;          ///< this flight can show it; else the value is only told
   bool passed = true;
   Reason reason = Reason::model_fault;  ///< which a failure gives to every value
+};
+
+/// Drag learned in flight. Source: MODEL.md section 16.
+struct OnlineDrag {
+  double factor = 1, sd = 0;             ///< on the vehicle's drag; sd relative
+  double latency = 0, latency_sd = 0;    ///< as used [s]
+  double seconds = 0;                    ///< during which the motion told of it; 0: factor and sd are the prior
+  std::optional<ingest::LogTime> first, last;  ///< instants that told of it
+};
+
+/// Vertical wind over a flight. Source: MODEL.md section 17.
+struct VerticalWind {
+  std::optional<NoEstimate> none;        ///< no vertical wind
+  std::string why;                       ///< there is none, for people: a clause
+  double thrust_per_speed2 = 0;          ///< K of the mean specific thrust at the mean of the squared speeds [m/s2]
+  double axial = 0, axial_sd = 0;        ///< c_z [1/s]
+  bool axial_from_flight = false;        ///< else from the induced velocity of the class
+  bool rotors_logged = false;
+  double level_sd = 0;                   ///< of the flight's mean, which no log can show [m/s]
 };
 
 /// What the flight says about itself, for `info`, reports and the quality rules.
@@ -146,6 +179,8 @@ struct FlightDiagnostics {
   double max_tilt_deg = 0, max_airspeed = 0;
   bool standard_density = true;
   double air_density = 0;
+  std::optional<OnlineDrag> online_drag;        ///< where it was asked for
+  std::optional<VerticalWind> vertical;         ///< where it was asked for
 };
 
 struct WindSeries {

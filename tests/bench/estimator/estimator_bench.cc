@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <functional>
 
@@ -12,17 +11,19 @@
 #include "estimator/smoother/passes.h"
 #include "ingest/motion/simulator.h"
 #include "profiles/make_profile.h"
+#include "tests/bench/report.h"
 
 namespace {
 
 using namespace quadsonde;
 
+/// Processor time, so that another program on the machine is not measured too.
 double best_of(int runs, const std::function<void()>& work) {
   double best = 1e9;
   for (int i = 0; i < runs; ++i) {
-    const auto start = std::chrono::steady_clock::now();
+    const double start = bench::processor_seconds();
     work();
-    best = std::min(best, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+    best = std::min(best, bench::processor_seconds() - start);
   }
   return best;
 }
