@@ -152,6 +152,12 @@ void take_read(ColumnMap& map, const toml::table& table) {
   }
 }
 
+bool is_magnetic(const toml::node& node) {
+  const auto text = text_of(node, "heading");
+  if (text != "true" && text != "magnetic") wrong("heading should be \"true\" or \"magnetic\"", &node);
+  return text == "magnetic";
+}
+
 void take_vehicle(ColumnMap& map, const toml::table& table) {
   for (const auto& [key, value] : table) {
     if (key == "name")
@@ -164,8 +170,10 @@ void take_vehicle(ColumnMap& map, const toml::table& table) {
       map.multirotor = flag_of(value, key);
     else if (key == "rotors")
       map.rotors = static_cast<int>(std::clamp(number_of(value, key), 0.0, 64.0));
+    else if (key == "heading")
+      map.magnetic_heading = is_magnetic(value);
     else
-      wrong(fmt::format("{} is not known in [vehicle]; known are name, name_from, autopilot, multirotor, rotors",
+      wrong(fmt::format("{} is not known in [vehicle]; known are name, name_from, autopilot, multirotor, rotors, heading",
                         key.str()),
             &value);
   }

@@ -41,6 +41,7 @@ struct ColumnMap {
       autopilot;  ///< _from: key of a "key<delimiter>value" line above the header
   bool multirotor = false;
   int rotors = 0;
+  bool magnetic_heading = false;  ///< the table's headings count from magnetic north
 };
 
 /// Is it a canonical column name (rotor_N_rpm included)?

@@ -256,6 +256,7 @@ class TableReader {
 void describe(const Layout& layout, LogContent& content) {
   content.details.emplace_back("map", layout.map->name);
   if (!layout.map->note.empty()) content.details.emplace_back("map note", layout.map->note);
+  if (layout.map->magnetic_heading) content.details.emplace_back("heading", "magnetic");
   std::string unused;
   for (std::size_t i = 0; i < layout.names.size(); ++i) {
     const auto uses = [&](const BoundColumn& c) {

@@ -177,11 +177,6 @@ Vehicle class_prior() {
   return v;
 }
 
-Result<Vehicle> class_prior(std::string_view name) {
-  if (name == "generic") return class_prior();
-  return fail(Kind::usage, fmt::format("no class of vehicles is called '{}'", name), {}, "known classes: generic");
-}
-
 Vehicle vehicle_from_tables(TomlFields& root) {
   Vehicle vehicle;
   vehicle.method = "given";

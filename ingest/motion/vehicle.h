@@ -53,7 +53,7 @@ struct Vehicle {
 /// latency 0.05 +- 0.08 s.
 Vehicle class_prior();
 
-/// Priors by name: "generic" so far.
+/// Priors by name: "generic", or one of class_priors.toml. Fails with Kind::usage, naming those that there are.
 Result<Vehicle> class_prior(std::string_view name);
 
 /// The parameters at the prior's mean and sd that a calibration did not determine.

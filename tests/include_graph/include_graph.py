@@ -19,7 +19,7 @@ READERS = [f"ingest/{name}" for name in ("mcap", "ulog", "dataflash", "mavlink",
 ESTIMATOR = ["estimator/filter", "estimator/smoother"]
 CALIBRATION = "estimator/calibration"
 SHARED_BY_PRODUCTS = "export/."
-PRODUCTS = [f"export/{name}" for name in ("geoid", "station", "cf_netcdf", "uasdc", "bufr", "mcap", "csv", "geojson", "kml",
+PRODUCTS = [f"export/{name}" for name in ("geoid", "magnetic", "station", "cf_netcdf", "uasdc", "bufr", "mcap", "csv", "geojson", "kml",
                                          "met_point", "report", "archive")]
 BEHIND_PRODUCTS = [FLIGHT, MOTION, REFERENCE, *ESTIMATOR, "profiles", SHARED_BY_PRODUCTS]
 
@@ -38,6 +38,7 @@ ROWS = {
     # A product may be made of others (a report of a picture), but none knows how the numbers were made.
     **{product: [*BEHIND_PRODUCTS, *PRODUCTS] for product in PRODUCTS},
     "export/geoid": [FLIGHT],
+    "export/magnetic": [FLIGHT],
     "export/mcap": [*BEHIND_PRODUCTS, *PRODUCTS, "ingest/mcap"],
     # A calibration is a result that pictures and answers show, as they show a profile.
     "export/report": [*BEHIND_PRODUCTS, *PRODUCTS, "estimator/calibration"],
@@ -58,7 +59,7 @@ HOMES = [  # (name, its headers, the folders where it may be included)
     ("SQLite", r"sqlite3", ["export/archive"]),
     ("ecCodes", r"eccodes", ["export/bufr", REFERENCE]),
     ("UDUNITS", r"udunits2", ["export/validate"]),
-    ("GeographicLib", r"GeographicLib/", ["ingest", "export/geoid"]),
+    ("GeographicLib", r"GeographicLib/", ["ingest", "export/geoid", "export/magnetic"]),
     ("protobuf", r"google/protobuf/", ["ingest/mcap", "export/mcap"]),
     ("toml++", r"toml\+\+|toml\.hpp", [f for f in [*ROWS, *TOP] if f != FLIGHT and f not in ("ingest", *ON_BOARD)]),
     ("CLI11", r"CLI/", ["cli"]),
