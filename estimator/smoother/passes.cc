@@ -58,19 +58,20 @@ class LaterSlope {
 class Learner {
  public:
   Learner(const std::vector<Step>& steps, const PassSettings& settings)
-      : steps_(steps), settings_(settings), slope_(steps),
+      : steps_(steps),
+        settings_(settings),
+        slope_(steps),
         known_(settings.model.drag, settings.consider, least_drag_sd) {
     if (settings.learning == Learning::gather) known_.set_mean(settings.ln_factor_ahead, settings.latency_ahead);
   }
 
-  void see(const Step& step) {
-    excitation_.add(step.seconds, step.v.x(), step.v.y(), step.heading, step.input.step);
-  }
+  void see(const Step& step) { excitation_.add(step.seconds, step.v.x(), step.v.y(), step.heading, step.input.step); }
   StepInput<double> input(std::size_t k) const { return slope_.at(k, latency_); }
 
   /// Between prediction and update.
   void learn(WindFilter<double>& filter, std::size_t k, double variance, LearnedStep& out) {
-    if (known_.learn(filter, steps_[k].v, variance, settings_.limits.gate_nis, steps_[k].input.step, excitation_.enough())) {
+    if (known_.learn(filter, steps_[k].v, variance, settings_.limits.gate_nis, steps_[k].input.step,
+                     excitation_.enough())) {
       out.updated = true;
       seconds_ += steps_[k].input.step;
       if (settings_.learning == Learning::adopt) adopt(filter);
@@ -102,7 +103,8 @@ class Learner {
  private:
   void adopt(WindFilter<double>& filter) {
     const double move = std::clamp(known_.mean()(c_linear), -0.1, 0.1);
-    const double latency = std::clamp(latency_ + known_.mean()(c_latency), settings_.least_latency, settings_.most_latency);
+    const double latency =
+        std::clamp(latency_ + known_.mean()(c_latency), settings_.least_latency, settings_.most_latency);
     filter.adopt(move, latency - latency_);
     ln_factor_ += move;
     latency_ = latency;
@@ -121,8 +123,11 @@ class Learner {
 class Runner {
  public:
   Runner(const std::vector<Step>& steps, const PassSettings& settings)
-      : steps_(steps), settings_(settings), filter_(settings.model, settings.limits),
-        jump_test_(settings.limits.jump_threshold), turbulence_(square(settings.model.turbulence_sd)) {
+      : steps_(steps),
+        settings_(settings),
+        filter_(settings.model, settings.limits),
+        jump_test_(settings.limits.jump_threshold),
+        turbulence_(square(settings.model.turbulence_sd)) {
     out_.outcome.assign(steps.size(), Outcome::predicted);
     out_.active.assign(steps.size(), false);
     if (settings.keep_trace) out_.whitened.assign(steps.size(), Eigen::Vector2d::Zero());
@@ -263,9 +268,9 @@ class Runner {
   void keep(std::size_t k) {
     if (!out_.active[k]) return;
     if (settings_.causal)
-      out_.causal[k] = {wind_posterior(filter_.state(), filter_.covariance(), filter_.sensitivity(),
-                                       filter_.model().trim_is_state),
-                        filter_.model().trim_is_state, considered()};
+      out_.causal[k] = {
+          wind_posterior(filter_.state(), filter_.covariance(), filter_.sensitivity(), filter_.model().trim_is_state),
+          filter_.model().trim_is_state, considered()};
     if (!settings_.keep_trace) return;
     out_.trace.of_point[k] = static_cast<std::ptrdiff_t>(out_.trace.steps.size());
     out_.trace.steps.push_back({filter_.state(), filter_.covariance(), Gain::Zero(), filter_.sensitivity()});
