@@ -2,6 +2,7 @@
 // What a log holds and what can be made of it, before anything is estimated.
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "export/pipeline/load.h"
@@ -36,15 +37,46 @@ struct Manoeuvre {
   double heading_index = 0;       ///< 0: the nose never turned, 1: all headings alike
   double turned_deg = 0;          ///< the way of the nose, back and forth, with wobbles below 10 degrees left out
   double excitation = 0;          ///< X: motion that is neither constant nor turns with the nose [m/s]
+  double turning_motion = 0;      ///< rms of the motion that turns with the nose, as along a circle [m/s]
+  int reversals = 0;              ///< changes from one straight leg to another, 60 degrees and more
   double max_speed = 0;           ///< over ground [m/s]
   int ascents = 0, descents = 0;  ///< of at least one bin
   std::optional<double> lowest, highest;  ///< above take-off, or above sea level [m]
   bool above_takeoff = false;
 };
 
+/// How far a flight by itself can show each unknown. Source: design notes, section 8.
+struct Observability {
+  enum class Wind {
+    yes,
+    by_height,
+    with_drag_given,    ///< an error of the drag passes for a tilt trim, since motion and nose turned together
+    within_trim_prior,  ///< 0.7 m/s for each degree that the trim is not known to
+    shear_only          ///< the same for the level; differences between heights are free of it
+  };
+  enum class Drag {
+    yes,
+    with_latency_known,  ///< else some 5 % off
+    refused,             ///< motion enough for a value, which would be 4 to 12 % off
+    no                   ///< a fit finds something all the same
+  };
+  Wind wind = Wind::yes;
+  Drag drag = Drag::no;
+  bool trim = false, latency = false;
+};
+/// For programs: "by_height".
+std::string_view name(Observability::Wind wind);
+std::string_view name(Observability::Drag drag);
+/// For people, without full stop.
+std::string wind_sentence(const Observability& observable);
+std::string trim_sentence(const Observability& observable);
+std::string drag_sentence(const Observability& observable, const Manoeuvre& manoeuvre);
+std::string latency_sentence(const Observability& observable, const Manoeuvre& manoeuvre);
+
 struct FlightFacts {
   FlightTitle title;
   Manoeuvre manoeuvre;
+  Observability observable;
   bool starts_in_air = false, ends_in_air = false;
   bool trim_can_be_measured = false, profile_possible = false, can_calibrate = false;
   std::vector<std::string> advice;  ///< which manoeuvre would help
@@ -62,6 +94,7 @@ struct LogFacts {
 };
 
 Manoeuvre find_manoeuvre(const FlightPart& part, double bin_m);
+Observability observability(const Manoeuvre& manoeuvre, double bin_m);
 LogFacts inspect(const LoadedLog& log, double bin_m = 10);
 
 /// For a terminal of 80 columns.

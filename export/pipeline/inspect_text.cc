@@ -83,12 +83,10 @@ std::string flight_text(const FlightFacts& f) {
     text +=
         line("log", fmt::format("{}{}{}", f.starts_in_air ? "begins in the air" : "",
                                 f.starts_in_air && f.ends_in_air ? ", " : "", f.ends_in_air ? "ends in the air" : ""));
-  text +=
-      line("wind", f.trim_can_be_measured ? "yes; the tilt trim is measured along the way"
-                                          : "yes, but wide: the nose hardly turned, so the tilt trim stays unknown");
+  const auto& o = f.observable;
+  text += line("wind", wind_sentence(o)) + line("tilt trim", trim_sentence(o)) + line("drag", drag_sentence(o, m)) +
+          line("latency", latency_sentence(o, m));
   text += line("profile", f.profile_possible ? "yes" : "no: the flight stays within one height");
-  text += line("calibrate", f.can_calibrate ? "yes: the flight moves enough (excitation of 1.5 m/s or more)"
-                                            : "no: the flight moves too little (excitation below 1.5 m/s)");
   if (!f.advice.empty()) text += "  What would help next time:\n";
   for (const auto& sentence : f.advice) text += wrapped("  - " + sentence, 79, 4) + "\n";
   return text;
@@ -147,6 +145,13 @@ Json flight_json(const FlightFacts& f) {
           {"heading_index", json_number(m.heading_index, 4)},
           {"turned_deg", json_number(m.turned_deg, 0)},
           {"excitation_m_s", json_number(m.excitation, 4)},
+          {"turning_motion_m_s", json_number(m.turning_motion, 4)},
+          {"reversals", m.reversals},
+          {"observable",
+           {{"wind", name(f.observable.wind)},
+            {"tilt_trim", f.observable.trim},
+            {"drag", name(f.observable.drag)},
+            {"latency", f.observable.latency}}},
           {"can_give_wind", true},
           {"can_measure_trim", f.trim_can_be_measured},
           {"can_give_profile", f.profile_possible},

@@ -46,8 +46,8 @@ using Adjust = std::function<void(int seed, EstimateSettings&, ingest::Vehicle&)
 Mean fly(const std::function<ingest::Scenario(int)>& scenario, int seeds, std::optional<double> latency_told,
          const Adjust& adjust = {}, const std::vector<Mode>& modes = {Mode::smoothed, Mode::causal, Mode::classic});
 
-/// The rigid body's drag by calibrate_tunnel: five runs, one turn of 60 s each.
-ingest::Result<ingest::Vehicle> tunnel_vehicle();
+/// The rigid body's drag by calibrate_tunnel: a run of one turn of 60 s at each speed [m/s].
+ingest::Result<ingest::Vehicle> tunnel_vehicle(const std::vector<double>& speeds = {0, 2, 4, 6, 8});
 /// A flight by the rigid body with heading error and trim drawn from the sds that the filter is given.
 ingest::Scenario drawn_errors(ingest::Scenario scenario, int seed);
 /// The tunnel's vehicle as the filter is told: its drag off by the spread between flights; the climb law the simulator's.

@@ -11,9 +11,9 @@
 namespace quadsonde::gates {
 using ingest::Vehicle;
 
-ingest::Result<Vehicle> tunnel_vehicle() {
+ingest::Result<Vehicle> tunnel_vehicle(const std::vector<double>& speeds) {
   std::vector<estimator::TunnelRun> runs;
-  for (const double speed : {0.0, 2.0, 4.0, 6.0, 8.0}) {
+  for (const double speed : speeds) {
     auto s = rigid(s2_hover());
     s.wind.toward = {-speed, 0};
     s.wind.sigma_u = s.wind.sigma_w = 0;
@@ -80,11 +80,21 @@ void told_to_filter(const Vehicle& tunnel, int seed, EstimateSettings& settings,
 
 namespace {
 
+/// The climb law as a vehicle file without one of its own has it: its prior's sds, and off by a draw from them.
+void tell_no_climb_law(int seed, Vehicle& v) {
+  ingest::Gaussian draw(static_cast<std::uint64_t>(seed) + 8000);
+  const auto body = v.drag;
+  ingest::set_climb_prior(v);
+  v.drag.climb_linear = body.climb_linear + v.parameter_sd(ingest::p_climb_linear) * draw();
+  v.drag.climb_quadratic = body.climb_quadratic + v.parameter_sd(ingest::p_climb_quadratic) * draw();
+}
+
 void rigid_gate(const std::string& name, const std::function<ingest::Scenario()>& scenario, const Vehicle& tunnel,
-                int seeds) {
+                int seeds, bool climb_told = true) {
   const auto m = fly([&](int seed) { return drawn_errors(scenario(), seed); }, seeds, std::nullopt,
                      [&](int seed, EstimateSettings& settings, Vehicle& v) {
                        told_to_filter(tunnel, seed, settings, v);
+                       if (!climb_told) tell_no_climb_law(seed, v);
                      });
   told(name + "RMSE smoothed", m.smoothed.rmse, m.rmse());
   told(name + "RMSE 10 s", m.smoothed.rmse_10s, m.rmse_10s());
@@ -104,10 +114,17 @@ void rigid_gates(int seeds) {
     return;
   }
   fmt::print("rigid body, drag from the tunnel: {:.4f} + {:.4f} |a|\n", tunnel->drag.linear, tunnel->drag.quadratic);
-  rigid_gate("rigid S2 ", [] { return s2_hover(); }, *tunnel, seeds);
-  rigid_gate("rigid S3 1 m/s ", [] { return s3_ascent(1); }, *tunnel, seeds);
-  rigid_gate("rigid S3 5 m/s ", [] { return s3_ascent(5); }, *tunnel, seeds);
-  rigid_gate("rigid S4 ", [] { return s4_square(0); }, *tunnel, seeds);
+  rigid_gate(
+      "rigid S2 ", [] { return s2_hover(); }, *tunnel, seeds);
+  rigid_gate(
+      "rigid S3 1 m/s ", [] { return s3_ascent(1); }, *tunnel, seeds);
+  rigid_gate(
+      "rigid S3 5 m/s ", [] { return s3_ascent(5); }, *tunnel, seeds);
+  for (const double rate : {1.0, 5.0})
+    rigid_gate(
+        fmt::format("rigid S3 {} m/s, climb law drawn ", rate), [&] { return s3_ascent(rate); }, *tunnel, seeds, false);
+  rigid_gate(
+      "rigid S4 ", [] { return s4_square(0); }, *tunnel, seeds);
 }
 
 }  // namespace quadsonde::gates
