@@ -39,6 +39,18 @@ class HeightAt {
 
 }  // namespace
 
+std::optional<double> barometric_altitude(double pressure_pa) {
+  // ISO 2533: 288.15 K and 101325 Pa at sea level, 6.5 K per km up to 11 km, where 22632 Pa remain.
+  constexpr double sea_level = 101325, tropopause = 22632, temperature = 288.15, lapse = 0.0065;
+  constexpr double exponent = 287.05287 * lapse / 9.80665;
+  if (!(pressure_pa >= tropopause && pressure_pa < 1.2 * sea_level)) return std::nullopt;
+  return temperature / lapse * (1 - std::pow(pressure_pa / sea_level, exponent));
+}
+
+std::optional<double> barometric_altitude(const Bin& bin) {
+  return bin.pressure_pa ? barometric_altitude(*bin.pressure_pa) : std::nullopt;
+}
+
 void fill_air(WindProfile& profile, const estimator::WindSeries& series, const ingest::Flight& flight) {
   std::map<std::int64_t, AirMeans> means;  // by index of the bin
   const auto index = [&](double height) { return static_cast<std::int64_t>(std::floor(height / profile.bin_m)); };
@@ -53,7 +65,7 @@ void fill_air(WindProfile& profile, const estimator::WindSeries& series, const i
   for (std::size_t i = 0; i < flight.barometer.size(); ++i)
     if (const auto height = of_barometer(flight.barometer.time[i]))
       means[index(*height)].barometer.add(flight.barometer.value[i].pressure_pa);
-  for (auto& leg : profile.legs)
+  const auto fill = [&](Leg& leg) {
     for (auto& bin : leg.bins) {
       const auto found = means.find(std::llround(bin.bottom / profile.bin_m));
       if (found == means.end()) continue;
@@ -62,6 +74,9 @@ void fill_air(WindProfile& profile, const estimator::WindSeries& series, const i
       bin.temperature_k = found->second.temperature.value();
       bin.relative_humidity_pct = found->second.humidity.value();
     }
+  };
+  for (auto& leg : profile.legs) fill(leg);
+  for (auto& leg : profile.flown) fill(leg);
 }
 
 }  // namespace quadsonde::profiles

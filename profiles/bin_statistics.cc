@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 
 namespace quadsonde::profiles {
 namespace {
@@ -114,6 +115,18 @@ BinMean bin_mean(const estimator::WindSeries& series, const std::vector<std::siz
   for (const auto i : members) active.push_back(static_cast<std::size_t>(series.trace->of_point[i]));
   add_trace_part(*series.trace, active, bin);
   return bin;
+}
+
+std::optional<double> direction_spread(const estimator::WindSeries& series, const std::vector<std::size_t>& members) {
+  double s = 0, c = 0, n = 0;
+  for (const auto i : members) {
+    const auto& w = std::get<WindEstimate>(series.points[i].wind).v_NA_N;
+    if (w.norm() < 1e-6) continue;
+    s += w.y() / w.norm(), c += w.x() / w.norm(), n += 1;
+  }
+  if (n < 2) return std::nullopt;
+  const double e = std::sqrt(std::max(0.0, 1 - (s * s + c * c) / (n * n)));
+  return std::asin(e) * (1 + 0.1547 * e * e * e) * 180 / std::numbers::pi;
 }
 
 double sampling_variance(double sigma_u, double time_u, double seconds) {

@@ -1,6 +1,7 @@
 #pragma once
 // The mean wind over any set of samples, with the exact covariance that the smoother implies.
 // Source: estimator/MODEL.md section 11.
+#include <optional>
 #include <vector>
 
 #include "estimator/smoother/passes.h"
@@ -28,6 +29,9 @@ struct BinMean {
 
 /// @param members  indices of points of the series, rising, each with an estimate
 BinMean bin_mean(const estimator::WindSeries& series, const std::vector<std::size_t>& members);
+
+/// Yamartino (1984): spread of the direction of the members' winds, from the mean sine and cosine [deg].
+std::optional<double> direction_spread(const estimator::WindSeries& series, const std::vector<std::size_t>& members);
 
 /// What turbulence adds to the error when a mean over some seconds stands for the ensemble mean [m2/s2].
 double sampling_variance(double sigma_u, double time_u, double seconds);

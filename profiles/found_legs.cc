@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 
 #include "estimator/smoother/passes.h"
 #include "profiles/legs.h"
@@ -136,6 +137,26 @@ ingest::Result<std::vector<Part>> named_parts(const std::vector<estimator::WindP
                           "give seconds of time_s as `estimate` prints them");
   }
   return parts;
+}
+
+std::optional<ingest::Problem> note_no_climb(const std::vector<Part>& parts,
+                                             const std::vector<std::optional<double>>& heights, double bin_m) {
+  if (std::any_of(parts.begin(), parts.end(), [](Part part) { return part != Part::level; })) return std::nullopt;
+  double low = 1e9, high = -1e9;
+  for (const auto& h : heights)
+    if (h) low = std::min(low, *h), high = std::max(high, *h);
+  const auto stays = high - low >= 2 ? fmt::format("stays between {:.0f} and {:.0f} m", low, high)
+                                     : fmt::format("stays near {:.0f} m", (low + high) / 2);
+  const double smaller = std::max(1.0, std::floor((high - low) / 2));
+  return ingest::Problem{
+      ingest::Kind::missing,
+      fmt::format("the flight has no climb or descent of one bin ({} m) that leads on: it {}, so its rows are of those "
+                  "heights only and `up` and `down` are not told apart",
+                  bin_m, stays),
+      {},
+      high - low >= 4 && smaller < bin_m
+          ? fmt::format("for a profile, climb higher, or take smaller bins with --bin-m {:.0f}", smaller)
+          : "for a profile, climb 100 m and more at 1 to 3 m/s, then descend as slowly"};
 }
 
 std::vector<FoundLeg> found_legs(const estimator::WindSeries& series, const std::vector<Part>& parts,

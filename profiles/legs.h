@@ -30,6 +30,10 @@ std::vector<Part> find_parts(const std::vector<estimator::WindPoint>& points,
 /// Kind::usage where the text cannot be read or an interval holds no point.
 ingest::Result<std::vector<Part>> named_parts(const std::vector<estimator::WindPoint>& points, const std::string& text);
 
+/// A flight without a leg is a profile of little: what it lacks and what would be one; empty where there is a leg.
+std::optional<ingest::Problem> note_no_climb(const std::vector<Part>& parts,
+                                             const std::vector<std::optional<double>>& heights, double bin_m);
+
 /// What the vehicle did, one leg after the other. Level parts are told apart by the speed over ground where the
 /// smoother's steps are there: hovering below 0.5 m/s, a transit if the way leads straight on, else a level leg.
 std::vector<FoundLeg> found_legs(const estimator::WindSeries& series, const std::vector<Part>& parts,

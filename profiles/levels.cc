@@ -26,10 +26,29 @@ Eigen::Matrix2d mean_state_covariance(const Bin& bin, const WindEstimate& wind) 
   return wind.covariance + sampling * sampling * Eigen::Matrix2d::Identity();
 }
 
+/// 1-sigma share of the speed that the calibration leaves open, alike in all bins: nearly all of its part lies along
+/// the wind, sd_calibration is that over both components.
+double shared_part(const Bin& bin, const WindEstimate& wind) {
+  const double along = std::sqrt(2.0) * bin.sd_calibration.value_or(0), speed = wind.v_NA_N.norm();
+  if (speed < 1e-6) return 0;
+  const Eigen::Vector2d e = wind.v_NA_N / speed;
+  return std::min(along, std::sqrt(std::max(0.0, 0.9999 * e.dot(wind.covariance * e)))) / speed;
+}
+
+/// A covariance without the part along the wind that all heights share.
+Eigen::Matrix2d without_shared(const WindEstimate& wind, double shared) {
+  return wind.covariance - shared * shared * wind.v_NA_N * wind.v_NA_N.transpose();
+}
+
 struct SpeedAt {
-  double height, speed, sd;
+  double height, speed, sd, shared;
 };
-/// Bins with a wind between two heights, with the sd of their speed as the mean state's.
+double mean_shared(const std::vector<SpeedAt>& all) {
+  double sum = 0;
+  for (const auto& s : all) sum += s.shared;
+  return all.empty() ? 0 : sum / static_cast<double>(all.size());
+}
+/// Bins with a wind between two heights, with the sd of their speed as the mean state's, the shared part left out.
 std::vector<SpeedAt> speeds(const Leg& leg, double lowest, double highest) {
   std::vector<SpeedAt> all;
   for (const auto& bin : leg.bins) {
@@ -37,9 +56,10 @@ std::vector<SpeedAt> speeds(const Leg& leg, double lowest, double highest) {
     const double z = bin.height_agl ? bin.height_agl->m : middle(bin);
     if (!wind || !wind->has_covariance || z < lowest || z > highest) continue;
     auto whole = *wind;
-    whole.covariance = mean_state_covariance(bin, *wind);
+    const double shared = shared_part(bin, *wind);
+    whole.covariance = mean_state_covariance(bin, *wind) + without_shared(*wind, shared) - wind->covariance;
     const double sd = estimator::speed_sd(whole);
-    if (wind->v_NA_N.norm() > 0.2) all.push_back({z, wind->v_NA_N.norm(), std::max(sd, 0.01)});
+    if (wind->v_NA_N.norm() > 0.2) all.push_back({z, wind->v_NA_N.norm(), std::max(sd, 0.01), shared});
   }
   return all;
 }
@@ -88,6 +108,30 @@ std::optional<Nose> find_nose(const std::vector<SpeedAt>& s) {
   return std::nullopt;
 }
 
+/// Of the take-off point in the profile's datum.
+std::optional<double> height_of_takeoff(const WindProfile& profile) {
+  if (profile.datum == Datum::agl) return 0;
+  for (const auto& leg : profile.legs)
+    for (const auto& bin : leg.bins)
+      if (bin.height_agl && bin.height_msl) return bin.height_msl->m - bin.height_agl->m;
+  return std::nullopt;
+}
+
+std::vector<double> all_heights(const WindProfile& profile, const LevelSettings& settings) {
+  auto heights = settings.heights;
+  if (profile.hub_height) heights.push_back(*profile.hub_height);
+  std::sort(heights.begin(), heights.end());
+  heights.erase(std::unique(heights.begin(), heights.end()), heights.end());
+  return heights;
+}
+
+std::vector<LevelWind> above_takeoff(const Leg& leg, std::vector<double> heights, double takeoff) {
+  for (auto& height : heights) height += takeoff;
+  auto winds = winds_at(leg, heights);
+  for (auto& level : winds) level.height -= takeoff;
+  return winds;
+}
+
 }  // namespace
 
 std::vector<LevelWind> winds_at(const Leg& leg, const std::vector<double>& heights) {
@@ -102,6 +146,7 @@ std::vector<LevelWind> winds_at(const Leg& leg, const std::vector<double>& heigh
       const std::size_t k = above ? i + 1 : i - 1;
       const auto* there = k < leg.bins.size() ? usable(leg.bins[k]) : nullptr;
       level.wind = *here;
+      level.shared = shared_part(bin, *here);
       if (!there) break;
       const double w = std::abs(z - middle(bin)) / (bin.top - bin.bottom);
       level.wind->v_NA_N = (1 - w) * here->v_NA_N + w * there->v_NA_N;
@@ -118,8 +163,11 @@ std::optional<Shear> shear_between(const LevelWind& lower, const LevelWind& uppe
   if (!lower.wind || !upper.wind || upper.height <= lower.height) return std::nullopt;
   const double dz = upper.height - lower.height;
   const Eigen::Vector2d d = upper.wind->v_NA_N - lower.wind->v_NA_N;
-  WindEstimate difference{d, lower.wind->covariance + upper.wind->covariance, true};
-  Shear shear{lower.height, upper.height, {d.norm() / dz, estimator::speed_sd(difference) / dz}, std::nullopt};
+  const double shared = (lower.shared + upper.shared) / 2;
+  WindEstimate difference{d, without_shared(*lower.wind, lower.shared) + without_shared(*upper.wind, upper.shared),
+                          true};
+  const double sd = std::hypot(estimator::speed_sd(difference), shared * d.norm());
+  Shear shear{lower.height, upper.height, {d.norm() / dz, sd / dz}, std::nullopt};
   const auto from = estimator::to_report(*lower.wind).from_deg, to = estimator::to_report(*upper.wind).from_deg;
   const auto sd_from = estimator::direction_sd_deg(*lower.wind), sd_to = estimator::direction_sd_deg(*upper.wind);
   if (from && to && sd_from && sd_to)
@@ -134,7 +182,9 @@ std::optional<PowerLaw> power_law(const Leg& leg) {
   for (const auto& s : all) x.push_back(std::log(s.height / 10)), y.push_back(std::log(s.speed)), sd.push_back(s.sd / s.speed);
   const auto line = fit_line(x, y, sd);
   const double v = std::exp(line.a);
-  return PowerLaw{{line.b, std::sqrt(line.covariance(1, 1))}, {v, v * std::sqrt(line.covariance(0, 0))}, all.size()};
+  return PowerLaw{{line.b, std::sqrt(line.covariance(1, 1))},
+                  {v, v * std::hypot(std::sqrt(line.covariance(0, 0)), mean_shared(all))},
+                  all.size()};
 }
 
 std::optional<LogLaw> log_law(const Leg& leg) {
@@ -145,7 +195,8 @@ std::optional<LogLaw> log_law(const Leg& leg) {
   const auto line = fit_line(x, y, sd);
   if (line.b <= 0) return std::nullopt;  // a speed that falls with height has no roughness
   LogLaw law;
-  law.friction_velocity = {von_karman * line.b, von_karman * std::sqrt(line.covariance(1, 1))};
+  law.friction_velocity = {von_karman * line.b,
+                           von_karman * std::hypot(std::sqrt(line.covariance(1, 1)), line.b * mean_shared(all))};
   // ln z0 = -a / b
   const Eigen::Vector2d gradient(-1 / line.b, line.a / (line.b * line.b));
   law.log_roughness = {-line.a / line.b, std::sqrt(gradient.dot(line.covariance * gradient))};
@@ -158,7 +209,8 @@ std::optional<Jet> low_level_jet(const Leg& leg) {
   const auto all = speeds(leg, 5, 1500);
   const auto nose = find_nose(all);
   if (!nose) return std::nullopt;
-  Jet jet{all[nose->at].height, {all[nose->at].speed, all[nose->at].sd}, nose->drop, 0};
+  const auto& top = all[nose->at];
+  Jet jet{top.height, {top.speed, std::hypot(top.sd, top.shared * top.speed)}, nose->drop, 0};
   std::mt19937_64 random(1);
   std::normal_distribution<double> normal;
   constexpr int draws = 1000;
@@ -188,7 +240,10 @@ std::optional<BulkRichardson> bulk_richardson(const Leg& leg) {
   if (square < 0.01) return std::nullopt;  // no shear, no number
   const double theta_low = potential_temperature(*low), theta_high = potential_temperature(*high);
   const double ri = gravity / (0.5 * (theta_low + theta_high)) * (theta_high - theta_low) * dz / square;
-  const double sd_speed = estimator::speed_sd({d, a.covariance + b.covariance, true});
+  const double shared_a = shared_part(*low, a), shared_b = shared_part(*high, b);
+  const double sd_speed =
+      std::hypot(estimator::speed_sd({d, without_shared(a, shared_a) + without_shared(b, shared_b), true}),
+                 (shared_a + shared_b) / 2 * std::sqrt(square));
   return BulkRichardson{middle(*low), middle(*high), {ri, std::abs(ri) * 2 * sd_speed / std::sqrt(square)}};
 }
 
@@ -198,7 +253,8 @@ ProfileLevels describe_levels(const WindProfile& profile, const LevelSettings& s
   for (const auto& candidate : profile.legs)
     if (!leg || candidate.name == LegName::all) leg = &candidate;
   if (!leg) return levels;
-  levels.winds = winds_at(*leg, settings.heights);
+  if (const auto takeoff = height_of_takeoff(profile))
+    levels.winds = above_takeoff(*leg, all_heights(profile, settings), *takeoff);
   const LevelWind* below = nullptr;
   for (const auto& level : levels.winds) {
     if (!level.wind) continue;

@@ -10,7 +10,7 @@
 namespace quadsonde::profiles {
 
 struct LevelSettings {
-  std::vector<double> heights{10, 50, 100};  ///< [m] in the profile's datum
+  std::vector<double> heights{10, 50, 100};  ///< [m] above take-off; the profile's hub height joins them
 };
 
 /// A value with its 1-sigma.
@@ -23,7 +23,10 @@ struct Uncertain {
 struct LevelWind {
   double height = 0;
   std::optional<estimator::WindEstimate> wind;  ///< empty: the profile does not reach there
+  /// Of the speed by drag and its law, as a share: it is the same at all heights, so it scales a shear and leaves a veer.
+  double shared = 0;
 };
+/// @param heights  in the datum of the leg's bins [m]
 std::vector<LevelWind> winds_at(const Leg& leg, const std::vector<double>& heights);
 
 /// Between two heights: |dw| / dz [1/s], and the turn of the direction [deg], positive clockwise with height.
@@ -68,7 +71,7 @@ std::optional<BulkRichardson> bulk_richardson(const Leg& leg);
 
 /// Everything above for the leg that stands for the flight.
 struct ProfileLevels {
-  std::vector<LevelWind> winds;
+  std::vector<LevelWind> winds;  ///< rising in height above take-off; none where the take-off point's height is not known
   std::vector<Shear> shears;  ///< between neighbouring heights that have a wind
   std::optional<PowerLaw> power;
   std::optional<LogLaw> log;

@@ -5,9 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <complex>
 #include <map>
-#include <numbers>
 
 #include "estimator/smoother/chi_square.h"
 #include "profiles/bin_statistics.h"
@@ -47,19 +45,6 @@ struct Location {
   }
 };
 
-/// Yamartino (1984): spread of the direction from the mean sine and cosine [deg].
-std::optional<double> direction_spread(const WindSeries& series, const std::vector<std::size_t>& members) {
-  double s = 0, c = 0, n = 0;
-  for (const auto i : members) {
-    const auto& w = std::get<WindEstimate>(series.points[i].wind).v_NA_N;
-    if (w.norm() < 1e-6) continue;
-    s += w.y() / w.norm(), c += w.x() / w.norm(), n += 1;
-  }
-  if (n < 2) return std::nullopt;
-  const double e = std::sqrt(std::max(0.0, 1 - (s * s + c * c) / (n * n)));
-  return std::asin(e) * (1 + 0.1547 * e * e * e) * 180 / std::numbers::pi;
-}
-
 /// Turns the parts of one bin and their weights into a row.
 class Profiler {
  public:
@@ -68,6 +53,7 @@ class Profiler {
   ingest::Result<WindProfile> run() {
     profile_.bin_m = settings_.bin_m;
     profile_.datum = settings_.datum;
+    profile_.hub_height = settings_.hub_height;
     if (const auto problem = choose_datum()) return ingest::fail(*problem);
     if (settings_.leg_times.empty()) {
       parts_ = find_parts(series_.points, heights_, settings_.bin_m);
@@ -77,6 +63,7 @@ class Profiler {
       parts_ = std::move(*named);
     }
     profile_.found = found_legs(series_, parts_, heights_);
+    if (auto note = note_no_climb(parts_, heights_, settings_.bin_m)) profile_.notes.push_back(std::move(*note));
     collect();
     if (low_ > high_)
       return ingest::fail(Kind::no_answer, "no instant of this flight has both a wind and a height", {},
@@ -157,7 +144,40 @@ class Profiler {
     }
     if (climbs) profile_.legs = {up, down};
     profile_.legs.push_back(all);
+    if (climbs) write_flown();
     close_test();
+  }
+
+  /// Each ascent and descent apart. Where there is one of each at most, those are the legs.
+  void write_flown() {
+    std::vector<std::pair<std::size_t, std::size_t>> stretches;  // first, beyond last
+    for (std::size_t i = 0; i < parts_.size(); ++i) {
+      if (parts_[i] == Part::level) continue;
+      if (stretches.empty() || stretches.back().second != i || parts_[i] != parts_[i - 1]) stretches.emplace_back(i, i);
+      stretches.back().second = i + 1;
+    }
+    const auto ascents =
+        std::count_if(stretches.begin(), stretches.end(), [&](const auto& s) { return parts_[s.first] == Part::up; });
+    const bool one_each = ascents <= 1 && static_cast<std::ptrdiff_t>(stretches.size()) - ascents <= 1;
+    for (const auto& [first, end] : stretches) {
+      const bool up = parts_[first] == Part::up;
+      Leg leg = one_each ? profile_.legs[up ? 0 : 1] : bins_of(up ? LegName::up : LegName::down, first, end);
+      if (leg_has_samples(leg)) profile_.flown.push_back(std::move(leg));
+    }
+  }
+
+  static bool leg_has_samples(const Leg& leg) {
+    return std::any_of(leg.bins.begin(), leg.bins.end(), [](const Bin& bin) { return bin.samples > 0; });
+  }
+
+  Leg bins_of(LegName name, std::size_t first, std::size_t end) const {
+    std::map<int, std::vector<std::size_t>> members;
+    for (std::size_t i = first; i < end; ++i)
+      if (heights_[i] && std::holds_alternative<WindEstimate>(series_.points[i].wind))
+        members[static_cast<int>(std::floor(*heights_[i] / settings_.bin_m))].push_back(i);
+    Leg leg{name, {}};
+    for (int b = low_; b <= high_; ++b) add(leg, row(b, bin_mean(series_, members[b]), members[b]), members[b]);
+    return leg;
   }
 
   /// @param members  in the order of time
@@ -233,6 +253,7 @@ class Profiler {
     const auto estimate = estimate_nodes(*series_.trace, heights_, nodes);
     Leg leg = profile_.legs.back();
     profile_.legs = {};
+    profile_.flown = {};
     for (std::size_t i = 0; i < leg.bins.size(); ++i) fill_node(leg.bins[i], estimate, i);
     profile_.legs.push_back(std::move(leg));
     profile_.method = Method::optimal;
@@ -353,12 +374,13 @@ class Profiler {
     if (dof_ == 0) return;
     profile_.up_down = UpDownTest{chi2_, dof_, estimator::chi_square_tail(chi2_, dof_)};
     if (profile_.up_down->p_value > 0.01) return;
-    for (auto& leg : profile_.legs)
-      for (auto& bin : leg.bins)
-        if (bin.samples) {
-          bin.reasons.add(Reason::up_down_differ);
-          bin.quality = std::max(bin.quality, estimator::at_best(Reason::up_down_differ));
-        }
+    for (auto* legs : {&profile_.legs, &profile_.flown})
+      for (auto& leg : *legs)
+        for (auto& bin : leg.bins)
+          if (bin.samples) {
+            bin.reasons.add(Reason::up_down_differ);
+            bin.quality = std::max(bin.quality, estimator::at_best(Reason::up_down_differ));
+          }
     profile_.problems.push_back({Kind::doubtful,
                                  fmt::format("ascent and descent differ by more than their uncertainties (chi-square {:.0f} "
                                              "for {} degrees of freedom)", chi2_, dof_),

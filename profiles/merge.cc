@@ -30,8 +30,9 @@ const Leg* whole(const WindProfile& profile) {
 }
 
 std::optional<ingest::GeoPoint> place_of(const WindProfile& profile) {
-  for (const auto& bin : whole(profile)->bins)
-    if (bin.place) return bin.place;
+  for (const auto& leg : profile.legs)
+    for (const auto& bin : leg.bins)
+      if (bin.place) return bin.place;
   return std::nullopt;
 }
 
@@ -56,21 +57,15 @@ double hours_between(const std::vector<const WindProfile*>& profiles) {
   return first ? static_cast<double>(last->ns - first->ns) * 1e-9 / 3600 : 0;
 }
 
+ingest::Problem usage(std::string what, std::string hint) {
+  return ingest::Problem{Kind::usage, std::move(what), {}, std::move(hint)};
+}
+
 std::optional<ingest::Problem> why_not(const std::vector<const WindProfile*>& profiles, const MergeSettings& settings) {
-  const auto usage = [](std::string what, std::string hint) {
-    return ingest::Problem{Kind::usage, std::move(what), {}, std::move(hint)};
-  };
   if (profiles.size() < 2) return usage("only one flight has a profile: there is nothing to merge", "give two logs or more");
-  for (const auto* profile : profiles) {
+  for (const auto* profile : profiles)
     if (!whole(*profile)) return usage("a profile has no row of the whole flight", "leave --leg out when merging");
-    if (profile->bin_m != profiles.front()->bin_m || profile->datum != profiles.front()->datum)
-      return usage("the profiles have other bins or another datum of heights", "merge with --datum msl and one --bin-m");
-  }
-  const double far = farthest(profiles);
-  if (far > 1000 * settings.farthest_km)
-    return usage(fmt::format("the flights are {:.0f} km apart: that is two sites, not one profile", far / 1000),
-                 "merge the flights of one site");
-  return std::nullopt;
+  return why_not_one_site(profiles, settings);
 }
 
 /// Mean of what is known in the bins of all flights.
@@ -148,6 +143,19 @@ Bin merge_bin(const std::vector<Member>& members, double bottom, double top, Spr
 
 }  // namespace
 
+std::optional<ingest::Problem> why_not_one_site(const std::vector<const WindProfile*>& profiles,
+                                                const MergeSettings& settings) {
+  for (const auto* profile : profiles)
+    if (profile->bin_m != profiles.front()->bin_m || profile->datum != profiles.front()->datum)
+      return usage("the profiles have other bins or another datum of heights",
+                   "merge with --datum msl and one --bin-m");
+  const double far = farthest(profiles);
+  if (far > 1000 * settings.farthest_km)
+    return usage(fmt::format("the flights are {:.0f} km apart: that is two sites, not one profile", far / 1000),
+                 "merge the flights of one site");
+  return std::nullopt;
+}
+
 ingest::Result<MergedProfile> merge_profiles(const std::vector<const WindProfile*>& profiles,
                                              const MergeSettings& settings) {
   if (const auto problem = why_not(profiles, settings)) return fail(*problem);
@@ -164,6 +172,7 @@ ingest::Result<MergedProfile> merge_profiles(const std::vector<const WindProfile
   MergedProfile merged;
   merged.profile.datum = profiles.front()->datum;
   merged.profile.bin_m = bin_m;
+  merged.profile.hub_height = profiles.front()->hub_height;
   Leg leg;
   for (auto index = bins.begin()->first; index <= bins.rbegin()->first; ++index)
     leg.bins.push_back(merge_bin(bins[index], static_cast<double>(index) * bin_m, static_cast<double>(index + 1) * bin_m,

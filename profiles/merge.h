@@ -1,5 +1,6 @@
 #pragma once
 // Several flights at one site to one profile, and how well they agree with what they claim.
+#include <optional>
 #include <vector>
 
 #include "profiles/profile.h"
@@ -24,6 +25,10 @@ struct MergedProfile {
 struct MergeSettings {
   double farthest_km = 5;    ///< flights further apart are not one site
 };
+
+/// Why profiles cannot stand side by side: other bins or datums, or places too far apart; empty where they can.
+std::optional<ingest::Problem> why_not_one_site(const std::vector<const WindProfile*>& profiles,
+                                                const MergeSettings& settings = {});
 
 /// The legs `all` of profiles with the same bins, weighted by the inverse covariances; bad bins have no part in it.
 /// What the flights have in common, the calibration, stays undivided.

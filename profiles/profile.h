@@ -84,11 +84,14 @@ struct WindProfile {
   Datum datum = Datum::agl;
   double bin_m = 10;
   Method method = Method::bins;
+  std::optional<double> hub_height;  ///< above take-off, if one was asked for [m]
   std::vector<Leg> legs;
+  std::vector<Leg> flown;  ///< each ascent and descent apart, in the order of time, with the bins of `legs`; names repeat
   std::vector<FoundLeg> found;  ///< in the order of time
   std::optional<UpDownTest> up_down;
   std::optional<OptimalDetails> optimal;
   std::vector<ingest::Problem> problems;
+  std::vector<ingest::Problem> notes;  ///< what the flight is no profile of, and what would be: told, not a doubt
 };
 
 }  // namespace quadsonde::profiles

@@ -49,7 +49,7 @@ int give(const Call& call, const std::vector<std::string>& texts) {
 namespace {
 
 /// What makes an output impossible, told before anything is computed.
-std::optional<Problem> output_fault(const std::filesystem::path& output, bool tool_names, bool merge,
+std::optional<Problem> output_fault(const std::filesystem::path& output, bool tool_names, bool merge, bool section,
                                     const Call& call) {
   std::error_code error;
   const auto refuse = [&](const char* what, const char* hint) {
@@ -63,6 +63,8 @@ std::optional<Problem> output_fault(const std::filesystem::path& output, bool to
   if (!format)
     return refuse("this ending names no format of an answer",
                   "use .csv, .json, .nc, .mcap, .bufr, .svg, .html, .kml, .geojson or .ascii2nc");
+  if (section && !product::holds_sections(*format))
+    return refuse("this format holds no section", "write it as .csv, .json, .nc, .svg or .html");
   if (!call.common.force && std::filesystem::exists(output, error))
     return refuse("this file is already there", "name another output or allow overwriting with --force");
   if (call.inputs.size() > 1 && !merge && format != product::Format::json)
@@ -88,7 +90,7 @@ std::vector<product::FlightRun> AnswerVerb::collect(const Call& call, int& code)
     request.references.assign(references.begin(), references.end());
     request.settings = settings;
     request.want_profile = want_profile;
-    request.all_flights = false;
+    request.all_flights = merge || section;
     auto result = product::run_log(request, call.control);
     if (!result) {
       call.console.error(result.error());
@@ -158,12 +160,12 @@ std::optional<product::FlightRun> AnswerVerb::merged(const Call& call,
                                                      const std::vector<product::FlightRun>& runs) const {
   std::vector<const product::FlightAnswer*> answers;
   for (const auto& run : runs) answers.push_back(&run.answer);
-  auto one = product::merge_answers(answers);
+  auto one = section ? product::section_of(answers) : product::merge_answers(answers);
   if (!one) {
     call.console.error(one.error());
     return std::nullopt;
   }
-  call.console.warnings(one->profile->problems);
+  if (one->merged) call.console.warnings(one->profile->problems);
   return product::FlightRun{std::move(*one), {}, {}};
 }
 
@@ -171,14 +173,14 @@ int AnswerVerb::run(const Call& call) {
   product::apply_words(settings);
   const auto output = call.output();
   if (output)
-    if (const auto fault = output_fault(*output, tool_names(*output), merge, call)) {
+    if (const auto fault = output_fault(*output, tool_names(*output), merge || section, section, call)) {
       call.console.error(*fault);
       return wrong_usage;
     }
   int code = complete;
   auto runs = collect(call, code);
   if (runs.empty() || call.control.stopped()) return code;
-  if (merge) {
+  if (merge || section) {
     auto one = merged(call, runs);
     if (!one) return wrong_usage;
     runs.clear();

@@ -29,7 +29,8 @@ struct AnswerVerb {
   product::PipelineSettings settings;
   std::vector<std::string> references;
   bool want_profile = true;
-  bool merge = false;  ///< all flights to one profile
+  bool merge = false;    ///< all flights to one profile
+  bool section = false;  ///< the legs of all flights over time and height; goes before merge
   Render render;  ///< into a file, or JSON onto standard output
   Say say;        ///< for people
 
@@ -40,7 +41,7 @@ struct AnswerVerb {
   bool tool_names(const std::filesystem::path& output) const;
   std::vector<product::FlightRun> collect(const Call& call, int& code);
   int write(const Call& call, const std::vector<product::FlightRun>& runs);
-  /// The runs as one; null where they cannot be, which is said.
+  /// The runs as one, merged or as a section; null where they cannot be, which is said.
   std::optional<product::FlightRun> merged(const Call& call, const std::vector<product::FlightRun>& runs) const;
   void print(const Call& call, const std::vector<product::FlightRun>& runs);
 };

@@ -67,7 +67,8 @@ class CalibrateVerb : public Verb {
       return failed(call, {Kind::no_answer,
                            *calibration.refused,
                            {},
-                           advice.empty() ? "" : estimator::words(advice.front().manoeuvre)});
+                           advice.empty() ? "calibrate each vehicle, and each load, from its own logs"
+                                          : estimator::words(advice.front().manoeuvre)});
     }
     return result->problems.empty() ? complete : with_doubts;
   }

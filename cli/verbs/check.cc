@@ -40,7 +40,7 @@ class CheckVerb : public Verb {
     std::vector<ingest::Problem> notes;
     const auto parts = product::choose_flights(*log, settings_.flight.flight, false, notes);
     if (!parts) return fail(parts.error());
-    const auto vehicle = product::choose_vehicle(settings_.drag, input);
+    const auto vehicle = product::choose_vehicle(settings_.drag, input, &parts->front().boot->vehicle);
     if (!vehicle) return fail(vehicle.error());
     call.console.warnings(notes);
     tally.doubts = tally.doubts || !notes.empty();
@@ -50,6 +50,9 @@ class CheckVerb : public Verb {
         fail(answer.error());
         continue;
       }
+      if (const auto advice = product::heading_problem(answer->heading, estimator::EstimateSettings{}.heading_sd_deg,
+                                                       settings_.input, input.string()))
+        answer->problems.push_back(*advice);
       call.console.warnings(answer->problems);
       if (const auto problem = product::verdict_problem(answer->report, input.string())) call.console.warning(*problem);
       tally.doubts = tally.doubts || answer->report.verdict == ingest::Verdict::inconsistent;

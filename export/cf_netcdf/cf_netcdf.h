@@ -8,6 +8,7 @@
 #include "export/csv/source.h"
 #include "export/station/station.h"
 #include "profiles/profile.h"
+#include "profiles/section.h"
 
 namespace quadsonde::product {
 
@@ -32,6 +33,12 @@ struct NetcdfMetadata {
 /// Kind::no_answer when no bin has a wind, and with Kind::inconsistent when the legs' bins do not match.
 /// Source: CF-1.8 section 9 and appendix H.5; ACDD-1.3.
 ingest::Result<std::string> profile_netcdf(const profiles::WindProfile& profile, const ProductSource& source,
+                                           const NetcdfMetadata& metadata = {});
+
+/// A section as timeSeriesProfile: one record of `time` per ascent and descent, in the order of their middle times.
+/// @return the bytes of the file; the same input gives the same bytes
+/// Fails as profile_netcdf does, and with Kind::inconsistent where two columns share their mid time.
+ingest::Result<std::string> section_netcdf(const profiles::Section& section, const ProductSource& source,
                                            const NetcdfMetadata& metadata = {});
 
 /// The wind along the flight as trajectory: one `obs` per filter step that has UTC, a place and a height above the

@@ -116,11 +116,15 @@ ingest::UtcTime made_at(const NetcdfMetadata& metadata, ingest::UtcTime last_sam
 std::string flight_id(const NetcdfMetadata& metadata, const ProductSource& source) {
   auto file = std::filesystem::path(source.file).filename();
   if (file.extension() == ".gz" || file.extension() == ".zst") file = file.stem();
-  auto id = metadata.flight_id.empty() ? fmt::format("{}-{}", file.stem().string(), source.flight) : metadata.flight_id;
+  return identifier(metadata.flight_id.empty() ? fmt::format("{}-{}", file.stem().string(), source.flight)
+                                               : metadata.flight_id);
+}
+
+std::string identifier(std::string text) {
   constexpr std::string_view allowed = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789._-";
-  for (auto& c : id)
+  for (auto& c : text)
     if (allowed.find(c) == std::string_view::npos) c = '_';
-  return id;
+  return text;
 }
 
 std::string heights_text(const ProductSource& source, const std::string& geoid) {

@@ -27,6 +27,8 @@ struct ProductText {
 ingest::UtcTime made_at(const NetcdfMetadata& metadata, ingest::UtcTime last_sample);
 /// The flight's name in identifiers: letters, digits and ._- only.
 std::string flight_id(const NetcdfMetadata& metadata, const ProductSource& source);
+/// With "_" for everything else.
+std::string identifier(std::string text);
 /// Where heights above the sea come from and which grid gave the geoid, for a file's comment.
 std::string heights_text(const ProductSource& source, const std::string& geoid);
 /// The platform in words: its type and its name, as the station file or else the log has them.

@@ -42,6 +42,9 @@ class Decoder {
                              "wind_speed", "wind_from_direction", "eastward_wind_se", "northward_wind_se",
                              "wind_error_covariance", "wind_qc", "n_obs", "wind_qc_reasons"})
       said[name] = numbers(name);
+    // Not every version has these, nor every flight.
+    for (const auto& [name, member] : optional_bin_variables())
+      if (auto values = numbers(name); !values.empty()) said[name] = std::move(values);
     if (const auto ids = texts("station_id"); ids.size() == 1) said["station_id"] = ids[0];
     said["profile_id"] = texts("profile_id");
     if (int v = -1; nc_inq_varid(id_, "wind_qc_reasons", &v) == NC_NOERR)
@@ -109,6 +112,26 @@ class Decoder {
 };
 
 }  // namespace
+
+const std::vector<std::pair<const char*, std::optional<double> StoredBin::*>>& optional_bin_variables() {
+  static const std::vector<std::pair<const char*, std::optional<double> StoredBin::*>> variables{
+      {"wind_sd_noise", &StoredBin::noise},
+      {"wind_sd_calibration", &StoredBin::calibration},
+      {"wind_sd_trim", &StoredBin::trim},
+      {"wind_sd_climb_law", &StoredBin::climb_law},
+      {"wind_sd_sampling", &StoredBin::sampling},
+      {"effective_n_obs", &StoredBin::effective_samples},
+      {"eastward_wind_sigma", &StoredBin::sigma_east},
+      {"northward_wind_sigma", &StoredBin::sigma_north},
+      {"wind_from_direction_spread", &StoredBin::spread_from_deg},
+      {"vertical_resolution", &StoredBin::resolution_m},
+      {"degrees_of_freedom", &StoredBin::freedom},
+      {"air_pressure", &StoredBin::pressure_pa},
+      {"air_temperature", &StoredBin::temperature_k},
+      {"relative_humidity", &StoredBin::relative_humidity_pct},
+      {"barometric_altitude", &StoredBin::barometric_altitude_m}};
+  return variables;
+}
 
 std::string decode_profile(ingest::Bytes bytes) {
   // nlohmann writes NaN and infinity as null.

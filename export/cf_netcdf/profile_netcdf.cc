@@ -1,11 +1,14 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 
+#include "export/cf_netcdf/bin_variables.h"
 #include "export/cf_netcdf/cf_netcdf.h"
 #include "export/cf_netcdf/global_attributes.h"
 #include "export/cf_netcdf/profile_records.h"
 #include "export/cf_netcdf/wind_variables.h"
+#include "export/csv/json.h"
 #include "export/geoid/geoid.h"
 
 namespace quadsonde::product {
@@ -14,72 +17,19 @@ namespace {
 using profiles::Bin;
 using Type = NcFile::Type;
 
-constexpr const char* time_units = "seconds since 1970-01-01T00:00:00Z";
 constexpr std::size_t time_chunk = 64;
-constexpr const char* parts = " n_obs effective_n_obs wind_sd_sampling wind_sd_calibration wind_sd_trim";
+constexpr const char* parts =
+    " n_obs effective_n_obs wind_sd_sampling wind_sd_calibration wind_sd_trim wind_sd_noise wind_sd_climb_law";
 
 double seconds_of(ingest::UtcTime t) { return static_cast<double>(t.ns) * 1e-9; }
-
-/// What a bin knows beside its wind.
-struct BinVariable {
-  VariableText text;
-  Type type;
-  std::optional<double> (*value)(const Bin&);
-};
-const std::vector<BinVariable>& bin_variables() {
-  const std::string mean = "altitude: time: mean", spread = "altitude: time: standard_deviation";
-  const char *quality = "qualityInformation", *auxiliary = "auxiliaryInformation", *measured = "physicalMeasurement";
-  static const std::vector<BinVariable> variables{
-      {{"effective_n_obs", "", "number of independent samples that the bin is worth", "1", "", "", auxiliary},
-       Type::float32,
-       [](const Bin& b) { return b.effective_samples; }},
-      {{"wind_sd_sampling", "",
-        "what turbulence adds to the uncertainty (k=1, per component) where the bin stands for the mean state", "m s-1",
-        "", "", quality},
-       Type::float32,
-       [](const Bin& b) { return b.sd_sampling; }},
-      {{"wind_sd_calibration", "",
-        "part of drag, latency, climb law and heading in the uncertainty (k=1, per component)", "m s-1", "", "",
-        quality},
-       Type::float32,
-       [](const Bin& b) { return b.sd_calibration; }},
-      {{"wind_sd_trim", "", "part of the tilt trim in the uncertainty (k=1, per component)", "m s-1", "", "", quality},
-       Type::float32,
-       [](const Bin& b) { return b.sd_trim; }},
-      {{"eastward_wind_sigma", "eastward_wind", "turbulence of the eastward wind in the bin", "m s-1", spread, "",
-        measured},
-       Type::float32,
-       [](const Bin& b) { return b.sigma ? std::optional(b.sigma->y()) : std::nullopt; }},
-      {{"northward_wind_sigma", "northward_wind", "turbulence of the northward wind in the bin", "m s-1", spread, "",
-        measured},
-       Type::float32,
-       [](const Bin& b) { return b.sigma ? std::optional(b.sigma->x()) : std::nullopt; }},
-      {{"wind_from_direction_spread", "wind_from_direction", "spread of the direction of the samples", "degree",
-        spread + " (Yamartino)", "", measured},
-       Type::float32,
-       [](const Bin& b) { return b.spread_from_deg; }},
-      {{"sample_altitude", "", "mean altitude of the samples of the bin above the geoid", "m", mean, "", auxiliary},
-       Type::float64,
-       [](const Bin& b) { return b.height_msl && b.samples ? std::optional(b.height_msl->m) : std::nullopt; }},
-      {{"sample_lat", "", "mean latitude of the samples of the bin", "degrees_north", mean, "", auxiliary},
-       Type::float64,
-       [](const Bin& b) { return b.place ? std::optional(b.place->lat_deg) : std::nullopt; }},
-      {{"sample_lon", "", "mean longitude of the samples of the bin", "degrees_east", mean, "", auxiliary},
-       Type::float64,
-       [](const Bin& b) { return b.place ? std::optional(b.place->lon_deg) : std::nullopt; }},
-      {{"sample_time", "", "mean time of the samples of the bin", time_units, mean, "", auxiliary},
-       Type::float64,
-       [](const Bin& b) { return b.utc ? std::optional(seconds_of(*b.utc)) : std::nullopt; }},
-  };
-  return variables;
-}
 
 /// Defines and writes one file.
 class ProfileFile {
  public:
-  ProfileFile(const ProfileRecords& records, const profiles::WindProfile& profile, const ProductSource& source,
-              const NetcdfMetadata& metadata)
-      : r_(records), profile_(profile), source_(source), metadata_(metadata) {}
+  /// @param findings  whether the profile's legs, levels and tests are told; else the file is a section of several legs
+  ProfileFile(const ProfileRecords& records, const profiles::WindProfile& profile, bool findings,
+              const ProductSource& source, const NetcdfMetadata& metadata)
+      : r_(records), profile_(profile), findings_(findings), source_(source), metadata_(metadata) {}
 
   ingest::Result<std::string> bytes() {
     name_ids();
@@ -88,6 +38,7 @@ class ProfileFile {
     WindVariables wind(file_, grid_);
     define_bins();
     write_global_attributes(file_, text(), source_, metadata_);
+    write_findings();
     file_.end_definitions();
     put_axes();
     put_site();
@@ -99,7 +50,7 @@ class ProfileFile {
   void name_ids() {
     const auto flight = flight_id(metadata_, source_);
     for (const auto& record : r_.records)
-      profile_ids_.push_back(fmt::format("{}-{}", flight, profiles::name(record.leg->name)));
+      profile_ids_.push_back(findings_ ? fmt::format("{}-{}", flight, record.name) : identifier(record.name));
     // Without an identifier the site is named by what is known of it.
     const auto& site = metadata_.station.site();
     station_ = site.empty() ? fmt::format("{:.4f},{:.4f}", r_.place.lat_deg, r_.place.lon_deg) : site;
@@ -190,9 +141,11 @@ class ProfileFile {
                       {"n_obs", "number_of_observations", "number of samples with an estimate in the bin", "1", "", "",
                        "auxiliaryInformation"});
     for (const auto& v : bin_variables()) {
-      extra_.push_back(define(file_, grid_, v.type, v.text));
-      if (v.text.name == "sample_time") file_.attribute(extra_.back(), "calendar", "standard");
+      if (!v.always && !any_value(v)) continue;
+      extra_.push_back({&v, define(file_, grid_, v.type, v.text)});
+      if (v.text.name == "sample_time") file_.attribute(extra_.back().id, "calendar", "standard");
     }
+    define_kernel();
     constexpr std::array<signed char, 3> legs{0, 1, 2};
     v_.leg = file_.variable("leg", Type::byte, {time_}, {time_chunk});
     file_.attribute(v_.leg, "long_name", "leg of the flight that the record holds");
@@ -202,10 +155,47 @@ class ProfileFile {
                        {"coverage_content_type", "auxiliaryInformation"}});
   }
 
+  /// What belongs to no bin, as the JSON of the profile has it.
+  void write_findings() {
+    // A reader of one flight's profile must not take it for one.
+    if (!findings_) return file_.attribute(NcFile::global, "quadsonde_merged", "section");
+    const auto put = [&](const char* name, const Json& json) {
+      if (!json.is_null() && !json.empty())
+        file_.attribute(NcFile::global, name, json.dump(-1, ' ', false, Json::error_handler_t::replace));
+    };
+    file_.attribute(NcFile::global, "quadsonde_method", profiles::name(profile_.method));
+    put("quadsonde_legs", json_found_legs(profile_));
+    put("quadsonde_levels", json_levels(profile_));
+    put("quadsonde_up_down", json_up_down(profile_));
+    if (profile_.optimal)
+      file_.attribute(NcFile::global, "quadsonde_degrees_of_freedom", profile_.optimal->degrees_of_freedom);
+  }
+
+  bool any_value(const BinVariable& v) const {
+    return std::any_of(r_.records.begin(), r_.records.end(), [&](const ProfileRecord& record) {
+      return std::any_of(record.leg->bins.begin(), record.leg->bins.end(),
+                         [&](const Bin& bin) { return v.value(bin).has_value(); });
+    });
+  }
+
+  /// The kernel of method optimal, where it is that of the file's altitudes.
+  void define_kernel() {
+    const auto& optimal = profile_.optimal;
+    if (!optimal || static_cast<std::size_t>(optimal->kernel.rows()) != r_.altitude.size()) return;
+    true_altitude_ = file_.dimension("true_altitude", r_.altitude.size());
+    const VariableLayout layout{{altitude_, true_altitude_}, {}, "lat lon station_id", "", false, ""};
+    v_.kernel = define(file_, layout, Type::float32,
+                       {"averaging_kernel", "",
+                        "averaging kernel, mean of both components: how the wind at each true_altitude (same values "
+                        "as altitude) enters that at altitude",
+                        "1", "", "", "qualityInformation"});
+    has_kernel_ = true;
+  }
+
   ProductText text() const {
     ProductText t;
     t.feature_type = "timeSeriesProfile", t.cdm_data_type = "TimeSeriesProfile";
-    t.title = "Vertical wind profile of a multirotor";
+    t.title = findings_ ? "Vertical wind profile of a multirotor" : "Time-height section of the wind by a multirotor";
     t.summary =
         "Horizontal wind estimated from the attitude and the motion of a multirotor, averaged in altitude bins.";
     t.processing_level = "binned profile";
@@ -263,18 +253,25 @@ class ProfileFile {
     const std::vector<std::size_t> shape{r_.records.size(), r_.altitude.size()};
     WindNumbers numbers;
     std::vector<std::int32_t> counts;
-    std::vector<std::vector<double>> extra(extra_.size());
+    std::vector<std::vector<double>> extra(extra_.size());  // as extra_
     for (const auto& record : r_.records) {
       for (const auto& bin : record.leg->bins) {
         numbers.add(bin.wind, bin.quality, bin.reasons);
         const bool has_wind = std::holds_alternative<estimator::WindEstimate>(bin.wind);
         counts.push_back(has_wind ? static_cast<std::int32_t>(bin.samples) : 0);
-        for (std::size_t i = 0; i < extra.size(); ++i) extra[i].push_back(or_nan_double(bin_variables()[i].value(bin)));
+        for (std::size_t i = 0; i < extra.size(); ++i)
+          extra[i].push_back(or_nan_double(extra_[i].variable->value(bin)));
       }
     }
     wind.put(numbers, shape);
     file_.put(v_.n_obs, shape, counts);
-    for (std::size_t i = 0; i < extra.size(); ++i) file_.put(extra_[i], shape, extra[i]);
+    for (std::size_t i = 0; i < extra.size(); ++i) file_.put(extra_[i].id, shape, extra[i]);
+    if (!has_kernel_) return;
+    std::vector<double> kernel;
+    for (Eigen::Index i = 0; i < profile_.optimal->kernel.rows(); ++i)
+      for (Eigen::Index j = 0; j < profile_.optimal->kernel.cols(); ++j)
+        kernel.push_back(profile_.optimal->kernel(i, j));
+    file_.put(v_.kernel, {r_.altitude.size(), r_.altitude.size()}, kernel);
   }
 
   void put_texts(NcFile::Variable variable, std::initializer_list<std::pair<const char*, std::string>> texts) {
@@ -283,6 +280,7 @@ class ProfileFile {
 
   const ProfileRecords& r_;
   const profiles::WindProfile& profile_;
+  const bool findings_;
   const ProductSource& source_;
   const NetcdfMetadata& metadata_;
   const Geoid geoid_ = Geoid::open();
@@ -291,13 +289,18 @@ class ProfileFile {
   std::string station_;
   std::size_t id_length_ = 32;
   NcFile file_;
-  NcFile::Dimension time_ = -1, altitude_ = -1, nv_ = -1, letters_ = -1;
+  NcFile::Dimension time_ = -1, altitude_ = -1, nv_ = -1, letters_ = -1, true_altitude_ = -1;
   VariableLayout grid_;
   struct {
     NcFile::Variable station_id, profile_id, time, time_bnds, altitude, altitude_bnds, lat, lon, height, surface, geoid,
-        n_obs, leg;
+        n_obs, leg, kernel;
   } v_{};
-  std::vector<NcFile::Variable> extra_;
+  struct Extra {
+    const BinVariable* variable;
+    NcFile::Variable id;
+  };
+  std::vector<Extra> extra_;
+  bool has_kernel_ = false;
 };
 
 }  // namespace
@@ -311,7 +314,17 @@ ingest::Result<std::string> profile_netcdf(const profiles::WindProfile& profile,
       return ingest::fail(ingest::Kind::inconsistent,
                           "ascents and descents share their mid time, and a time axis must grow", {},
                           "ask for --leg up, down or all");
-  return ProfileFile(*records, profile, source, metadata).bytes();
+  return ProfileFile(*records, profile, true, source, metadata).bytes();
+}
+
+ingest::Result<std::string> section_netcdf(const profiles::Section& section, const ProductSource& source,
+                                           const NetcdfMetadata& metadata) {
+  const auto records = section_records(section, metadata);
+  if (!records) return ingest::fail(records.error());
+  profiles::WindProfile facts;
+  facts.datum = section.datum;
+  facts.bin_m = section.bin_m;
+  return ProfileFile(*records, facts, false, source, metadata).bytes();
 }
 
 }  // namespace quadsonde::product

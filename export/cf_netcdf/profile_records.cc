@@ -41,10 +41,10 @@ std::optional<std::pair<ingest::UtcTime, ingest::UtcTime>> span_of(const Leg& le
 }
 
 /// Take-off lies where the two heights of any bin differ from each other by.
-std::optional<ingest::MslHeight> takeoff_of(const profiles::WindProfile& profile, const NetcdfMetadata& metadata) {
+std::optional<ingest::MslHeight> takeoff_of(const std::vector<ProfileRecord>& records, const NetcdfMetadata& metadata) {
   if (metadata.takeoff_msl) return metadata.takeoff_msl;
-  for (const auto& leg : profile.legs)
-    for (const auto& bin : leg.bins)
+  for (const auto& record : records)
+    for (const auto& bin : record.leg->bins)
       if (bin.height_agl && bin.height_msl) return ingest::MslHeight{bin.height_msl->m - bin.height_agl->m};
   return std::nullopt;
 }
@@ -69,12 +69,12 @@ bool find_place(ProfileRecords& out, const std::optional<ingest::GeoPoint>& take
   return count > 0;
 }
 
-Result<void> fill_axis(ProfileRecords& out, const profiles::WindProfile& profile, std::string_view product) {
-  if (profile.datum == profiles::Datum::agl && !out.takeoff_msl)
+Result<void> fill_axis(ProfileRecords& out, profiles::Datum datum, std::string_view product) {
+  if (datum == profiles::Datum::agl && !out.takeoff_msl)
     return fail(Kind::missing,
                 fmt::format("no {} without heights above the sea: that of the take-off point is not known", product),
                 {}, "give --takeoff-msl M");
-  const double base = profile.datum == profiles::Datum::agl ? out.takeoff_msl->m : 0;
+  const double base = datum == profiles::Datum::agl ? out.takeoff_msl->m : 0;
   const auto& bins = out.records.front().leg->bins;
   for (std::size_t i = 0; i < bins.size(); ++i) {
     const bool follows = i == 0 || std::abs(bins[i].bottom - bins[i - 1].top) < 1e-6;
@@ -95,6 +95,17 @@ Result<void> fill_axis(ProfileRecords& out, const profiles::WindProfile& profile
   return {};
 }
 
+/// With their altitudes and their place.
+Result<ProfileRecords> placed(ProfileRecords out, profiles::Datum datum, const NetcdfMetadata& metadata,
+                              std::string_view product) {
+  out.takeoff_msl = takeoff_of(out.records, metadata);
+  if (auto filled = fill_axis(out, datum, product); !filled) return fail(filled.error());
+  if (!find_place(out, metadata.takeoff))
+    return fail(Kind::missing, fmt::format("no {} without a place: the flight has no latitude and longitude", product),
+                {}, "log the position of the GNSS receiver");
+  return out;
+}
+
 }  // namespace
 
 double ProfileRecord::mid_s() const { return static_cast<double>(from.ns / 2 + to.ns / 2) * 1e-9; }
@@ -107,19 +118,33 @@ Result<ProfileRecords> profile_records(const profiles::WindProfile& profile, con
     if (!span)
       return fail(Kind::missing, fmt::format("no {} without UTC: the log's clock never saw it", product), {},
                   "give --start-utc T");
-    out.records.push_back({leg, span->first, span->second});
+    out.records.push_back({leg, std::string(profiles::name(leg->name)), span->first, span->second});
   }
   if (out.records.empty())
     return fail(Kind::no_answer, "no bin of the profile has a wind, so there is nothing to write", {},
                 "see the reasons in the CSV (-o X.csv)");
   std::stable_sort(out.records.begin(), out.records.end(),
                    [](const auto& a, const auto& b) { return a.mid_s() < b.mid_s(); });
-  out.takeoff_msl = takeoff_of(profile, metadata);
-  if (auto filled = fill_axis(out, profile, product); !filled) return fail(filled.error());
-  if (!find_place(out, metadata.takeoff))
-    return fail(Kind::missing, fmt::format("no {} without a place: the flight has no latitude and longitude", product),
-                {}, "log the position of the GNSS receiver");
-  return out;
+  return placed(std::move(out), profile.datum, metadata, product);
+}
+
+Result<ProfileRecords> section_records(const profiles::Section& section, const NetcdfMetadata& metadata) {
+  ProfileRecords out;
+  for (std::size_t i = 0; i < section.columns.size(); ++i) {
+    const auto& column = section.columns[i];
+    // The stem of the flight's name: letters that an identifier may hold are seen to by whoever writes it.
+    const auto stem = column.flight.substr(0, column.flight.find('.'));
+    out.records.push_back(
+        {&column.leg, fmt::format("{}-{}-{}", stem, i + 1, profiles::name(column.leg.name)), column.from, column.to});
+    if (i > 0 && out.records[i].mid_s() <= out.records[i - 1].mid_s())
+      return fail(Kind::inconsistent,
+                  fmt::format("two legs of {} and {} share their mid time, and a time axis must grow",
+                              section.columns[i - 1].flight, column.flight),
+                  {}, "leave one of the flights out");
+  }
+  if (out.records.empty())
+    return fail(Kind::no_answer, "the section has no column", {}, "give flights that have a wind");
+  return placed(std::move(out), section.datum, metadata, "netCDF");
 }
 
 }  // namespace quadsonde::product

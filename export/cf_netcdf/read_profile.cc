@@ -133,11 +133,15 @@ class Checked {
                              "northward_wind_se", "wind_error_covariance", "wind_qc", "n_obs", "wind_qc_reasons"})
       columns.push_back(numbers(name, cells, false));
     const auto known = [](double v) { return std::isfinite(v) ? std::optional(v) : std::nullopt; };
+    std::vector<std::pair<std::optional<double> StoredBin::*, std::vector<double>>> more;
+    for (const auto& [name, member] : optional_bin_variables())
+      if (find(name)) more.emplace_back(member, numbers(name, cells, false));
     for (std::size_t i = 0; i < cells; ++i) {
       StoredBin b;
       b.east = known(columns[0][i]), b.north = known(columns[1][i]), b.speed = known(columns[2][i]);
       b.from_deg = known(columns[3][i]), b.se_east = known(columns[4][i]), b.se_north = known(columns[5][i]);
       b.covariance = known(columns[6][i]);
+      for (const auto& [member, values] : more) b.*member = known(values[i]);
       b.quality = static_cast<int>(known(columns[7][i]).value_or(9));
       b.samples = static_cast<std::int64_t>(std::clamp(known(columns[8][i]).value_or(0), 0.0, 1e9));
       b.reasons = reasons(known(columns[9][i]).value_or(0));

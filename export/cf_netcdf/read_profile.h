@@ -15,6 +15,10 @@ namespace quadsonde::product {
 struct StoredBin {
   std::optional<double> east, north, speed, from_deg;   ///< wind [m/s], [deg]
   std::optional<double> se_east, se_north, covariance;  ///< k=1 [m/s], [m2/s2]
+  std::optional<double> noise, calibration, trim, climb_law, sampling;  ///< parts of the uncertainty [m/s]
+  std::optional<double> effective_samples, sigma_east, sigma_north, spread_from_deg;  ///< turbulence [m/s]
+  std::optional<double> resolution_m, freedom;  ///< method optimal
+  std::optional<double> pressure_pa, temperature_k, relative_humidity_pct, barometric_altitude_m;
   estimator::Reasons reasons;                           ///< those that this version knows
   int quality = 9;                                      ///< wind_qc: 1 good, 3 doubtful, 4 bad, 9 none
   std::int64_t samples = 0;

@@ -128,6 +128,32 @@ Json json_reasons(estimator::Reasons reasons) {
   return list;
 }
 
+namespace {
+
+/// Null where the drag was not to be learned; `updated_s` 0: factor and sd are the prior.
+Json json_online_drag(const std::optional<estimator::OnlineDrag>& drag) {
+  if (!drag) return nullptr;
+  return {{"factor", json_number(drag->factor, 4)},
+          {"sd_factor", json_number(drag->sd * drag->factor, 4)},
+          {"latency_s", json_number(drag->latency, 4)},
+          {"sd_latency_s", json_number(drag->latency_sd, 4)},
+          {"updated_s", json_number(drag->seconds, 1)},
+          {"first_time_s", drag->first ? Json::parse(seconds_text(*drag->first)) : Json()},
+          {"last_time_s", drag->last ? Json::parse(seconds_text(*drag->last)) : Json()}};
+}
+
+/// Null where nobody asked; `none` names the reason where there is no vertical wind.
+Json json_vertical(const std::optional<estimator::VerticalWind>& vertical) {
+  if (!vertical) return nullptr;
+  if (vertical->none) return {{"none", std::string(estimator::name(vertical->none->reason))}, {"why", vertical->why}};
+  return {{"axial_drag_per_s", json_number(vertical->axial, 4)},
+          {"sd_axial_drag_per_s", json_number(vertical->axial_sd, 4)},
+          {"axial_drag_from_flight", vertical->axial_from_flight},
+          {"sd_level_m_s", json_number(vertical->level_sd, 3)}};
+}
+
+}  // namespace
+
 Json json_diagnostics(const estimator::FlightDiagnostics& d) {
   Json object = {{"heading_index", json_number(d.heading_index, 4)}, {"trim_estimated", d.trim_estimated}};
   object["trim_roll_deg"] = json_number(d.trim_deg.x(), 4);
@@ -159,6 +185,8 @@ Json json_diagnostics(const estimator::FlightDiagnostics& d) {
                       {"judged", check.judged},
                       {"passed", check.judged ? Json(check.passed) : Json()}});
   object["self_checks"] = checks;
+  object["online_drag"] = json_online_drag(d.online_drag);
+  object["vertical_wind"] = json_vertical(d.vertical);
   return object;
 }
 
@@ -174,11 +202,9 @@ std::string wind_json(const estimator::WindSeries& series, const ProductSource& 
   return json_text(object);
 }
 
-namespace {
-
-Json json_found_legs(const std::vector<profiles::FoundLeg>& legs) {
+Json json_found_legs(const profiles::WindProfile& profile) {
   Json list = Json::array();
-  for (const auto& leg : legs)
+  for (const auto& leg : profile.found)
     list.push_back({{"kind", std::string(profiles::name(leg.kind))},
                     {"from_time_s", Json::parse(seconds_text(leg.from))},
                     {"to_time_s", Json::parse(seconds_text(leg.to))},
@@ -188,6 +214,15 @@ Json json_found_legs(const std::vector<profiles::FoundLeg>& legs) {
                     {"speed_m_s", json_number(leg.speed, 3)}});
   return list;
 }
+
+Json json_up_down(const profiles::WindProfile& profile) {
+  if (!profile.up_down) return nullptr;
+  return {{"chi2", json_number(profile.up_down->chi2, 4)},
+          {"degrees_of_freedom", profile.up_down->degrees_of_freedom},
+          {"p_value", json_number(profile.up_down->p_value, 6)}};
+}
+
+namespace {
 
 Json json_uncertain(const profiles::Uncertain& u) {
   return {{"value", json_number(u.value, 5)}, {"sd", json_number(u.sd, 5)}};
@@ -201,13 +236,16 @@ Json json_level(const profiles::LevelWind& level) {
           {"wind_north_m_s", level.wind ? json_number(level.wind->v_NA_N.x(), 4) : Json()},
           {"wind_speed_m_s", level.wind ? json_number(report.speed_m_s, 4) : Json()},
           {"sd_wind_speed_m_s", known ? json_number(estimator::speed_sd(*level.wind), 4) : Json()},
-          {"wind_from_deg", json_number(report.from_deg, 2)}};
+          {"wind_from_deg", json_number(report.from_deg, 2)},
+          {"sd_wind_from_deg", known ? json_number(estimator::direction_sd_deg(*level.wind), 2) : Json()}};
 }
 
-/// What is asked of a profile next; what it cannot tell is null.
+}  // namespace
+
 Json json_levels(const profiles::WindProfile& profile) {
   const auto levels = profiles::describe_levels(profile);
-  Json object = {{"winds", Json::array()}, {"shears", Json::array()}};
+  Json object = {
+      {"hub_height_m", json_number(profile.hub_height, 2)}, {"winds", Json::array()}, {"shears", Json::array()}};
   for (const auto& level : levels.winds) object["winds"].push_back(json_level(level));
   for (const auto& shear : levels.shears)
     object["shears"].push_back({{"lower_m", json_number(shear.lower, 2)},
@@ -235,6 +273,8 @@ Json json_levels(const profiles::WindProfile& profile) {
   return object;
 }
 
+namespace {
+
 Json json_optimal(const profiles::OptimalDetails& optimal) {
   Json kernel = Json::array();
   for (Eigen::Index i = 0; i < optimal.kernel.rows(); ++i) {
@@ -254,12 +294,10 @@ Json json_optimal(const profiles::OptimalDetails& optimal) {
 std::string profile_json(const profiles::WindProfile& profile, const ProductSource& source) {
   Json object = json_head("quadsonde.profile/1", source);
   object["datum"] = std::string(profiles::name(profile.datum));
-  if (profile.up_down)
-    object["up_down"] = {{"chi2", json_number(profile.up_down->chi2, 4)},
-                         {"degrees_of_freedom", profile.up_down->degrees_of_freedom},
-                         {"p_value", json_number(profile.up_down->p_value, 6)}};
+  if (profile.up_down) object["up_down"] = json_up_down(profile);
   object["method"] = std::string(profiles::name(profile.method));
-  object["legs"] = json_found_legs(profile.found);
+  object["notes"] = json_problems(profile.notes);
+  object["legs"] = json_found_legs(profile);
   object["levels"] = json_levels(profile);
   if (profile.optimal) object["optimal"] = json_optimal(*profile.optimal);
   Json rows = Json::array();

@@ -29,6 +29,12 @@ Json json_row(const estimator::WindPoint& point, estimator::Mode mode);
 Json json_row(const profiles::Bin& bin, profiles::LegName leg);
 Json json_reasons(estimator::Reasons reasons);
 Json json_diagnostics(const estimator::FlightDiagnostics& diagnostics);
+/// What the vehicle did, leg by leg.
+Json json_found_legs(const profiles::WindProfile& profile);
+/// What is asked of a profile next: winds at heights, shears, laws, jet, Richardson number; what it cannot tell is null.
+Json json_levels(const profiles::WindProfile& profile);
+/// The test of ascent against descent; null where there is none.
+Json json_up_down(const profiles::WindProfile& profile);
 
 /// Indented text with a newline at its end. Bytes that are no UTF-8 (names out of a log) are replaced, not fatal.
 std::string json_text(const Json& json);

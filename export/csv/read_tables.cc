@@ -141,6 +141,13 @@ void add_bin(Fields& f, profiles::WindProfile& profile) {
   bin.sd_calibration = f.number("sd_calibration_m_s");
   bin.sd_trim = f.number("sd_trim_m_s");
   bin.spread_from_deg = f.number("spread_from_deg");
+  bin.sd_noise = f.number("sd_noise_m_s");
+  bin.sd_climb_law = f.number("sd_climb_law_m_s");
+  bin.resolution_m = f.number("resolution_m");
+  bin.freedom = f.number("freedom");
+  bin.pressure_pa = f.number("air_pressure_pa");
+  bin.temperature_k = f.number("air_temperature_k");
+  bin.relative_humidity_pct = f.number("relative_humidity_pct");
   if (profile.legs.empty() || profile.legs.back().name != *leg) profile.legs.push_back({*leg, {}});
   auto& to = profile.legs.back();
   if (bin.utc) {
@@ -252,6 +259,21 @@ std::string text_of(const Json& value) {
   return value.is_number() ? value.dump() : std::string();
 }
 
+/// Those of each row that this version knows. Rows and bins have the same order.
+void read_reasons(const Json& rows, profiles::WindProfile& profile) {
+  auto row = rows.begin();
+  for (auto& leg : profile.legs)
+    for (auto& bin : leg.bins) {
+      const auto list = row != rows.end() && row->is_object() ? row->value("reasons", Json()) : Json();
+      if (row != rows.end()) ++row;
+      if (!list.is_array()) continue;
+      for (const auto& word : list)
+        for (int i = 0; i < static_cast<int>(estimator::Reason::count); ++i)
+          if (word == std::string(estimator::name(static_cast<estimator::Reason>(i))))
+            bin.reasons.add(static_cast<estimator::Reason>(i));
+    }
+}
+
 ingest::Result<ReadTable> read_object(const Json& object, const std::string& file) {
   const bool is_profile = object["schema"] == "quadsonde.profile/1";
   const auto& rows = object["rows"];
@@ -279,8 +301,11 @@ ingest::Result<ReadTable> read_object(const Json& object, const std::string& fil
   if (auto* series = std::get_if<estimator::WindSeries>(&table->content); series && diagnostics.is_object())
     if (const auto sd = diagnostics.value("turbulence_sd_m_s", Json()); sd.is_number())
       series->diagnostics.sigma_u = std::max(0.0, sd.get<double>());
-  if (auto* profile = std::get_if<profiles::WindProfile>(&table->content))
+  if (auto* profile = std::get_if<profiles::WindProfile>(&table->content)) {
     if (object.value("datum", Json()) == "msl") profile->datum = profiles::Datum::msl;
+    if (object.value("method", Json()) == "optimal") profile->method = profiles::Method::optimal;
+    read_reasons(rows, *profile);
+  }
   return table;
 }
 

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "export/csv/numbers.h"
+#include "profiles/air_levels.h"
 
 namespace quadsonde::product {
 namespace {
@@ -58,7 +59,12 @@ Row wind_row(const estimator::WindPoint& p, estimator::Mode mode) {
           {"wind_speed_m_s", std::move(wind.speed)},
           {"wind_from_deg", std::move(wind.from)},
           {"quality", word(estimator::name(p.quality)), true},
-          {"mode", word(estimator::name(mode)), true}};
+          {"mode", word(estimator::name(mode)), true},
+          {"wind_up_m_s", p.vertical ? fixed(p.vertical->wind_up, digits::speed) : ""},
+          {"sd_wind_up_m_s", p.vertical ? fixed(p.vertical->sd, digits::speed) : ""},
+          {"drag_factor", p.drag ? fixed(p.drag->factor, 4) : ""},
+          {"sd_drag_factor", p.drag ? fixed(p.drag->sd * p.drag->factor, 4) : ""},
+          {"drag_updated", p.drag ? (p.drag->updated ? "1" : "0") : ""}};
 }
 
 Row profile_row(const profiles::Bin& b, profiles::LegName leg) {
@@ -95,7 +101,8 @@ Row profile_row(const profiles::Bin& b, profiles::LegName leg) {
           {"freedom", fixed(b.freedom, 3)},
           {"air_pressure_pa", fixed(b.pressure_pa, 0)},
           {"air_temperature_k", fixed(b.temperature_k, 2)},
-          {"relative_humidity_pct", fixed(b.relative_humidity_pct, 1)}};
+          {"relative_humidity_pct", fixed(b.relative_humidity_pct, 1)},
+          {"barometric_altitude_m", fixed(profiles::barometric_altitude(b), digits::metres)}};
 }
 
 }  // namespace quadsonde::product

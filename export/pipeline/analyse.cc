@@ -8,7 +8,6 @@
 #include "export/pipeline/check.h"
 #include "export/pipeline/problems.h"
 #include "profiles/air_levels.h"
-#include "export/sha256.h"
 
 namespace quadsonde::product {
 namespace {
@@ -56,6 +55,7 @@ FlightTitle title_of(const LoadedLog& log, const FlightPart& part) {
     title.place = part.boot->origin->point;
   }
   title.duration_s = part.duration_s();
+  title.heading = part.heading.words;
   title.vehicle = part.boot->vehicle.name;
   title.autopilot = part.boot->vehicle.autopilot;
   return title;
@@ -64,6 +64,7 @@ FlightTitle title_of(const LoadedLog& log, const FlightPart& part) {
 /// Only the legs asked for stay; `each` keeps all.
 std::optional<Problem> keep_legs(profiles::WindProfile& profile, const std::string& wanted) {
   if (wanted == "each") return std::nullopt;
+  std::erase_if(profile.flown, [&](const profiles::Leg& leg) { return profiles::name(leg.name) != wanted; });
   std::erase_if(profile.legs, [&](const profiles::Leg& leg) { return profiles::name(leg.name) != wanted; });
   if (!profile.legs.empty()) return std::nullopt;
   return Problem{Kind::no_answer,
@@ -82,6 +83,7 @@ ingest::Result<void> add_series(FlightAnswer& answer, const ingest::Flight& flig
                                 const PipelineSettings& settings, bool classic) {
   auto estimate = settings.estimate;
   estimate.takeoff = answer.part.takeoff;
+  estimate.heading_sd_deg = std::hypot(estimate.heading_sd_deg, answer.part.heading.sd_deg);
   auto series = estimator::estimate_wind(flight, vehicle, estimate);
   if (!series) return fail(series.error());
   if (!has_wind(*series))
@@ -120,6 +122,15 @@ void add_check(FlightAnswer& answer, const ingest::Flight& flight, const ingest:
   add_once(answer.source.problems, *verdict_problem(*answer.check, file));
 }
 
+/// Only where nothing worse is known of the telemetry: a fault that turns the tilt is named by the check.
+void advise_heading(FlightAnswer& answer, const ingest::Flight& flight, const ingest::Vehicle& vehicle,
+                    const PipelineSettings& settings, const std::string& file) {
+  if (answer.check && answer.check->verdict == ingest::Verdict::inconsistent) return;
+  const auto heading = ingest::estimate_heading_offset(flight, ingest::drag_arguments(vehicle).latency_s);
+  if (const auto advice = heading_problem(heading, settings.estimate.heading_sd_deg, settings.input, file))
+    add_once(answer.source.problems, *advice);
+}
+
 /// A drift of more than half a bin is taken off, but not in silence: evenly in time is an assumption.
 void add_drift(FlightAnswer& answer, double bin_m) {
   const auto& drift = answer.part.drift;
@@ -143,7 +154,10 @@ void add_profile(FlightAnswer& answer, const ingest::Flight& flight, const Pipel
     if (problem.where.file.empty()) problem.where.file = answer.source.file;
   add_once(answer.source.problems, profile->problems);
   answer.no_profile = keep_legs(*profile, settings.leg.leg);
-  if (!answer.no_profile) answer.profile = std::move(*profile);
+  if (answer.no_profile) return;
+  answer.profile = std::move(*profile);
+  if (answer.profile->flown.size() < 3) return;
+  if (auto section = profiles::make_section({{answer.source.file, &*answer.profile}})) answer.section = std::move(*section);
 }
 
 }  // namespace
@@ -157,38 +171,6 @@ std::vector<NamedSetting> named_settings(const PipelineSettings& settings) {
     if (auto* text = std::get_if<std::string>(&setting.value); text && text->find('/') != std::string::npos)
       *text = std::filesystem::path(*text).filename().string();
   return all;
-}
-
-ingest::Result<VehicleInUse> choose_vehicle(const DragSettings& settings, const std::filesystem::path& log) {
-  VehicleInUse use;
-  const auto beside = log.parent_path() / "vehicle.toml";
-  std::error_code error;
-  ingest::Result<ingest::Vehicle> vehicle = ingest::class_prior();
-  if (settings.vehicle.starts_with("class:")) {
-    vehicle = ingest::class_prior(settings.vehicle.substr(6));
-    use.from = settings.vehicle;
-  } else if (settings.vehicle != "auto") {
-    vehicle = ingest::read_vehicle(settings.vehicle);
-    use.from = settings.vehicle;
-    use.sha256 = sha256_of_file(settings.vehicle).value_or("");
-  } else if (std::filesystem::exists(beside, error)) {
-    vehicle = ingest::read_vehicle(beside);
-    use.from = beside.string();
-    use.sha256 = sha256_of_file(beside).value_or("");
-  } else {
-    use.from = "class prior";
-  }
-  if (!vehicle) return fail(vehicle.error());
-  // The estimator scales to the flight's air density; here only the mass.
-  auto flown = ingest::flown_at(*vehicle, settings.mass_kg, vehicle->air_density_kg_m3);
-  if (!flown) return fail(flown.error());
-  if (settings.mass_kg && !vehicle->mass_kg)
-    use.notes.push_back({Kind::doubtful,
-                         "--mass-kg changes nothing here: the class prior has no mass to scale from",
-                         {},
-                         "give a vehicle file with mass_kg"});
-  use.vehicle = std::move(*flown);
-  return use;
 }
 
 ingest::Result<FlightAnswer> analyse(const LoadedLog& log, const FlightPart& part, const VehicleInUse& vehicle,
@@ -234,6 +216,7 @@ ingest::Result<FlightAnswer> analyse(const LoadedLog& log, const FlightPart& par
   if (settings.trust.check) {
     control.report("checking the telemetry", 0.6);
     add_check(answer, flight, vehicle.vehicle, log.path.string());
+    advise_heading(answer, flight, vehicle.vehicle, settings, log.path.string());
     if (control.stopped()) return fail(stopped_problem());
   }
   control.report("making the profile", 0.8);

@@ -14,6 +14,7 @@
 #include "ingest/motion/consistency.h"
 #include "ingest/motion/vehicle.h"
 #include "profiles/merge.h"
+#include "profiles/section.h"
 
 namespace quadsonde::product {
 
@@ -21,11 +22,14 @@ struct VehicleInUse {
   ingest::Vehicle vehicle;             ///< scaled to the mass flown
   std::string from;                    ///< for people: a file, or "class prior"
   std::string sha256;                  ///< of the file; empty for a class prior
-  std::vector<ingest::Problem> notes;  ///< e.g. a mass that could not be used
+  std::vector<ingest::Problem> notes;  ///< e.g. a class that was chosen, a mass far from the file's
 };
 
-/// `auto`: vehicle.toml beside the log, else the class prior. Fails with Kind::usage or Kind::unreadable.
-ingest::Result<VehicleInUse> choose_vehicle(const DragSettings& settings, const std::filesystem::path& log);
+/// `auto`: vehicle.toml beside the log, else a class prior: of the class that mass or rotors tell, else the name that
+/// the log has for its vehicle, else generic. Fails with Kind::usage or Kind::unreadable.
+/// @param logged  who flew, where the log has been read already
+ingest::Result<VehicleInUse> choose_vehicle(const DragSettings& settings, const std::filesystem::path& log,
+                                            const ingest::VehicleIdentity* logged = nullptr);
 
 /// How flights that were merged agree.
 struct MergeFacts {
@@ -49,6 +53,8 @@ struct FlightAnswer {
   std::optional<Comparison> comparison;
   std::optional<AutopilotComparison> autopilot_wind = std::nullopt;  ///< kept beside, never fed back
   std::optional<MergeFacts> merged = std::nullopt;
+  /// Legs over time and height: of a flight that climbs or descends more than once each, or of several flights.
+  std::optional<profiles::Section> section = std::nullopt;
 };
 
 struct Wanted {

@@ -51,8 +51,10 @@ ingest::Result<CheckAnswer> check(const LoadedLog& log, const FlightPart& part, 
   }
   control.report("checking", 1);
   if (control.stopped()) return fail(stopped_problem());
+  const double latency = ingest::drag_arguments(vehicle.vehicle).latency_s;
   CheckAnswer answer{log.path.filename().string(), log.sha256,   part.number, vehicle.from,
-                     std::move(*report),           part.problems};
+                     std::move(*report),           ingest::estimate_heading_offset(part.airborne(), latency),
+                     part.problems};
   answer.problems.insert(answer.problems.end(), vehicle.notes.begin(), vehicle.notes.end());
   return answer;
 }
@@ -76,9 +78,26 @@ std::optional<ingest::Problem> verdict_problem(const ingest::ConsistencyReport& 
                          where, "fly a square of 3 to 5 m/s and turn the nose steadily, to have the next log checked"};
 }
 
+std::optional<ingest::Problem> heading_problem(const std::optional<ingest::HeadingOffset>& heading,
+                                               double heading_sd_deg, const InputSettings& input,
+                                               const std::string& file) {
+  if (!heading || !heading->determined(heading_sd_deg)) return std::nullopt;
+  return ingest::Problem{
+      Kind::doubtful,
+      fmt::format("the motion says that every heading should be turned by {:+.1f} deg (+-{:.1f}, 1 sigma), and so "
+                  "should the wind: declination missing or twice, compass or autopilot mounted askew",
+                  heading->deg, heading->sd_deg),
+      {file, {}, {}, {}},
+      fmt::format("if another flight says the same, give --heading-offset-deg {:.1f}",
+                  heading->deg + input.heading_offset_deg)};
+}
+
 std::string check_text(const CheckAnswer& answer) {
-  return fmt::format("{}, flight {}, drag of {}\n{}", answer.file, answer.flight, answer.vehicle_from,
-                     ingest::to_text(answer.report));
+  auto text = fmt::format("{}, flight {}, drag of {}\n{}", answer.file, answer.flight, answer.vehicle_from,
+                          ingest::to_text(answer.report));
+  if (!answer.heading) return text + "Offset of all headings: this flight cannot show it.\n";
+  return text + fmt::format("Offset of all headings by the motion: {:+.1f} deg, 1 sigma {:.1f} deg.\n",
+                            answer.heading->deg, answer.heading->sd_deg);
 }
 
 std::string check_json(const CheckAnswer& answer) {
@@ -102,6 +121,11 @@ std::string check_json(const CheckAnswer& answer) {
                  {"drag_linear_per_s", json_number(r.drag_linear_per_s, 4)},
                  {"trim_roll_deg", json_number(r.trim_roll_deg, 2)},
                  {"trim_pitch_deg", json_number(r.trim_pitch_deg, 2)}};
+  if (answer.heading)
+    object["heading_offset"] = {{"deg", json_number(answer.heading->deg, 2)},
+                                {"sd_deg", json_number(answer.heading->sd_deg, 2)}};
+  else
+    object["heading_offset"] = Json();
   object["findings"] = findings;
   object["axes"] = axes;
   object["foretold"] = foretold;

@@ -6,6 +6,7 @@
 #include "export/pipeline/analyse.h"
 #include "export/pipeline/load.h"
 #include "ingest/motion/consistency.h"
+#include "ingest/motion/heading_offset.h"
 
 namespace quadsonde::product {
 
@@ -28,6 +29,7 @@ struct CheckAnswer {
   int flight = 1;
   std::string vehicle_from;
   ingest::ConsistencyReport report;
+  std::optional<ingest::HeadingOffset> heading;  ///< empty: too little motion, or it could not be fitted
   std::vector<ingest::Problem> problems;  ///< met on the way; the verdict is not among them
 };
 
@@ -37,6 +39,12 @@ ingest::Result<CheckAnswer> check(const LoadedLog& log, const FlightPart& part, 
 
 /// A verdict as a Problem for other answers: Kind::inconsistent or Kind::doubtful; empty if consistent.
 std::optional<ingest::Problem> verdict_problem(const ingest::ConsistencyReport& report, const std::string& file);
+
+/// An offset that the flight determines, beyond its own sd and what a heading is taken to be off anyhow, as advice:
+/// nothing is turned by itself. Empty otherwise.
+std::optional<ingest::Problem> heading_problem(const std::optional<ingest::HeadingOffset>& heading,
+                                               double heading_sd_deg, const InputSettings& input,
+                                               const std::string& file);
 
 /// For a terminal.
 std::string check_text(const CheckAnswer& answer);

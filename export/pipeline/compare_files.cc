@@ -93,6 +93,14 @@ profiles::WindProfile profile_of(const StoredProfile& stored) {
       bin.place = ingest::GeoPoint{stored.lat_deg, stored.lon_deg};
       bin.samples = static_cast<std::size_t>(std::max<std::int64_t>(0, from.samples));
       if (from.has_wind()) bin.wind = wind_of(from);
+      bin.sd_noise = from.noise, bin.sd_calibration = from.calibration, bin.sd_trim = from.trim;
+      bin.sd_climb_law = from.climb_law, bin.sd_sampling = from.sampling;
+      bin.effective_samples = from.effective_samples, bin.spread_from_deg = from.spread_from_deg;
+      if (from.sigma_north && from.sigma_east) bin.sigma = Eigen::Vector2d(*from.sigma_north, *from.sigma_east);
+      bin.resolution_m = from.resolution_m, bin.freedom = from.freedom;
+      bin.pressure_pa = from.pressure_pa, bin.temperature_k = from.temperature_k;
+      bin.relative_humidity_pct = from.relative_humidity_pct;
+      bin.reasons = from.reasons;
       bin.quality = from.quality == 1   ? estimator::Quality::good
                     : from.quality == 3 ? estimator::Quality::doubtful
                     : from.quality == 4 ? estimator::Quality::bad

@@ -3,12 +3,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
+#include "estimator/smoother/chi_square.h"
 #include "export/pipeline/analyse.h"
 #include "export/pipeline/check.h"
 #include "export/pipeline/load.h"
 #include "export/pipeline/outputs.h"
 #include "export/pipeline/tunnel_runs.h"
+#include "export/report/free_flight_picture.h"
 #include "export/version.h"
 
 namespace quadsonde::product {
@@ -19,12 +22,19 @@ using ingest::FaultClass;
 using ingest::Kind;
 using ingest::Problem;
 
+constexpr double between_flights = 0.10;  // of ln c (1 sigma)
+constexpr double least_probability = 1e-3;
+
 struct Loaded {
   std::vector<estimator::FreeFlight> flights;
   std::vector<ingest::VehicleLog> logs;
   std::vector<Problem> problems;
   std::optional<ingest::UtcTime> newest;
   std::string vehicle, vehicle_log;  ///< as the first log that names one does
+  std::optional<double> mass;        ///< as the first log that has one does
+  std::string mass_log;
+  int rotors = 0;
+  std::string rotors_log;
 };
 
 /// What the fit itself finds is no reason to refuse a log.
@@ -58,7 +68,28 @@ ingest::Result<void> check_flight(const LoadedLog& log, const FlightPart& part, 
   return {};
 }
 
+/// Mass and rotors as far as logs tell them.
+ingest::Result<void> same_build(const LoadedLog& log, const ingest::Flight& flight, Loaded& loaded) {
+  const auto file = log.path.filename().string();
+  const auto& vehicle = flight.vehicle;
+  const ingest::Where where{log.path.string(), {}, {}, {}};
+  if (vehicle.mass_kg && loaded.mass && std::abs(std::log(*vehicle.mass_kg / *loaded.mass)) > 0.02)
+    return fail(Kind::usage,
+                fmt::format("this log was flown with {:g} kg, {} with {:g} kg", *vehicle.mass_kg, loaded.mass_log,
+                            *loaded.mass),
+                where, "calibrate each load from its own logs; the drag is scaled to other masses afterwards");
+  if (vehicle.mass_kg && !loaded.mass) loaded.mass = vehicle.mass_kg, loaded.mass_log = file;
+  if (vehicle.rotors > 0 && loaded.rotors > 0 && vehicle.rotors != loaded.rotors)
+    return fail(Kind::usage,
+                fmt::format("this log is of a vehicle with {} rotors, {} of one with {}", vehicle.rotors,
+                            loaded.rotors_log, loaded.rotors),
+                where, "calibrate each vehicle from its own logs");
+  if (vehicle.rotors > 0 && loaded.rotors == 0) loaded.rotors = vehicle.rotors, loaded.rotors_log = file;
+  return {};
+}
+
 ingest::Result<void> same_vehicle(const LoadedLog& log, const ingest::Flight& flight, Loaded& loaded) {
+  if (auto same = same_build(log, flight, loaded); !same) return same;
   const auto file = log.path.filename().string();
   if (flight.vehicle.name.empty()) return {};
   if (loaded.vehicle.empty()) {
@@ -117,12 +148,36 @@ ingest::Result<ingest::Vehicle> prior_of(const DragSettings& drag, std::string& 
 
 }  // namespace
 
+std::optional<std::string> different_drags(const std::vector<estimator::FreeFlightRun>& runs) {
+  double weights = 0, mean = 0, chi2 = 0;
+  const estimator::FreeFlightRun *least = nullptr, *most = nullptr;
+  int count = 0;
+  const auto variance = [](const auto& run) {
+    return std::pow(*run.drag_sd / *run.drag, 2) + between_flights * between_flights;
+  };
+  for (const auto& run : runs) {
+    if (!run.drag || !run.drag_sd || !(*run.drag > 0)) continue;
+    mean += std::log(*run.drag) / variance(run), weights += 1 / variance(run), ++count;
+    if (!least || *run.drag < *least->drag) least = &run;
+    if (!most || *run.drag > *most->drag) most = &run;
+  }
+  if (count < 2) return std::nullopt;
+  mean /= weights;
+  for (const auto& run : runs)
+    if (run.drag && run.drag_sd && *run.drag > 0) chi2 += std::pow(std::log(*run.drag) - mean, 2) / variance(run);
+  if (estimator::chi_square_tail(chi2, count - 1) > least_probability) return std::nullopt;
+  return fmt::format("the flights do not share one drag: {} shows {:.3f} +- {:.3f} 1/s, {} {:.3f} +- {:.3f}, as of "
+                     "different vehicles or loads (chi2 {:.0f} of {} flights)",
+                     least->name, *least->drag, *least->drag_sd, most->name, *most->drag, *most->drag_sd, chi2, count);
+}
+
 ingest::Result<FreeFlightsResult> run_free_flights(const FreeFlightsRequest& request, const Control& control) {
   FreeFlightsResult result;
   estimator::FreeFlightSettings settings;
   auto prior = prior_of(request.drag, result.updates);
   if (!prior) return fail(prior.error());
   settings.prior = std::move(*prior);
+  result.prior = settings.prior;
   settings.mass = request.drag.mass_kg;
   Loaded loaded;
   for (std::size_t i = 0; i < request.logs.size(); ++i) {
@@ -135,6 +190,13 @@ ingest::Result<FreeFlightsResult> run_free_flights(const FreeFlightsRequest& req
   auto calibration = estimator::calibrate_free_flight(loaded.flights, settings);
   if (!calibration) return fail(calibration.error());
   result.calibration = std::move(*calibration);
+  // Stronger than any other reason: the fit to all of them together means nothing.
+  if (auto different = different_drags(result.calibration.runs)) {
+    result.calibration.refused = std::move(different);
+    result.calibration.vehicle = settings.prior;
+    result.calibration.moves.clear();
+    result.calibration.identifiability.advice.clear();
+  }
   result.problems = std::move(loaded.problems);
   const auto& notes = result.calibration.notes;
   result.problems.insert(result.problems.end(), notes.begin(), notes.end());
@@ -157,9 +219,13 @@ ingest::Result<FreeFlightsResult> run_free_flights(const FreeFlightsRequest& req
   if (!request.output) return result;
   control.report("writing", 0.95);
   Outputs outputs(request.overwrite, control);
+  const auto picture =
+      request.output->parent_path() / fmt::format("{}_drag.svg", request.output->stem().string());
   if (auto added = outputs.add(*request.output, ingest::to_toml(vehicle)); !added) return fail(added.error());
+  if (auto added = outputs.add(picture, free_flight_drag_svg(result.calibration, result.prior)); !added)
+    return fail(added.error());
   if (auto written = outputs.commit(); !written) return fail(written.error());
-  result.files = {*request.output};
+  result.files = {*request.output, picture};
   return result;
 }
 

@@ -91,6 +91,11 @@ void end_where_it_stands(const Flight& flight, ingest::Segment& segment) {
          slow(flight, stands_from - window, stands_from))
     stands_from = stands_from - window;
   if (stands_from == segment.to) return;
+  // To the half second: what stands on the ground makes a bin below take-off out of its rest.
+  const auto step = ingest::seconds(0.5);
+  while (stands_from - step > segment.from && !tilt_wanders(flight, stands_from - step, stands_from - step + window) &&
+         slow(flight, stands_from - step, stands_from - step + window))
+    stands_from = stands_from - step;
   segment.to = stands_from;
   segment.ends_in_air = false;
 }
@@ -136,7 +141,7 @@ std::string make_msl_heights(Flight& flight, const Geoid& geoid, double offset_m
 
 /// The flights of one boot, appended to the log's.
 void add_parts(LoadedLog& log, const std::shared_ptr<const Flight>& boot, const std::string& made_heights,
-               const InputSettings& settings) {
+               const HeadingFacts& heading, const InputSettings& settings) {
   const auto file = log.path.string();
   auto segments = ingest::airborne_segments(*boot);
   std::vector<Problem> problems = boot->problems;
@@ -163,6 +168,7 @@ void add_parts(LoadedLog& log, const std::shared_ptr<const Flight>& boot, const 
     if (!part.takeoff && settings.takeoff_msl_m) part.takeoff = ingest::MslHeight{*settings.takeoff_msl_m};
     part.problems = problems;
     part.made_heights = made_heights;
+    part.heading = heading;
     log.parts.push_back(std::move(part));
   }
 }
@@ -230,11 +236,17 @@ ingest::Result<LoadedLog> load_log(const std::filesystem::path& path, const Inpu
   if (auto started = apply_start(log, settings.start_utc); !started) return fail(started.error());
   log.nothing = ingest::why_no_flight(log.content);
   const auto geoid = Geoid::open();
+  const bool magnetic_by_map = std::find(log.content.details.begin(), log.content.details.end(),
+                                         std::pair<std::string, std::string>("heading", "magnetic")) !=
+                               log.content.details.end();
+  const auto north = settings.heading == "magnetic" || magnetic_by_map ? MagneticNorth::open() : MagneticNorth();
   for (auto& flight : log.content.flights) {
     const bool usable = !ingest::why_unusable(flight, log.content.format);
     const auto made_heights = make_msl_heights(flight, geoid, settings.height_offset_m);
+    const auto heading =
+        correct_heading(flight, log.content.format, magnetic_by_map, settings, north, path.string());
     log.boots.push_back(std::make_shared<const Flight>(std::move(flight)));
-    if (usable) add_parts(log, log.boots.back(), made_heights, settings);
+    if (usable) add_parts(log, log.boots.back(), made_heights, heading, settings);
   }
   log.content.flights.clear();
   if (!log.nothing && log.parts.empty()) log.nothing = never_flies(log);

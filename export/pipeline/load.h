@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "export/pipeline/control.h"
+#include "export/pipeline/heading.h"
 #include "export/pipeline/height_drift.h"
 #include "export/pipeline/settings.h"
 #include "ingest/flight/flight.h"
@@ -25,6 +26,7 @@ struct FlightPart {
   /// How heights above the sea were made, where the log has only such above the ellipsoid: from which stream, by which
   /// geoid.
   std::string made_heights;
+  HeadingFacts heading;  ///< what was done to the headings of this boot
 
   double duration_s() const { return ingest::to_seconds(segment.to - segment.from); }
   /// Only what was measured in the air, a drift of the height taken off. Where the log has heights above the ellipsoid or of the local frame only, and

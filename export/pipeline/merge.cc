@@ -7,12 +7,14 @@
 
 namespace quadsonde::product {
 
-ingest::Result<FlightAnswer> merge_answers(const std::vector<const FlightAnswer*>& answers) {
-  std::vector<const profiles::WindProfile*> all;
-  for (const auto* answer : answers)
-    if (answer->profile) all.push_back(&*answer->profile);
-  auto merged = profiles::merge_profiles(all);
-  if (!merged) return ingest::fail(merged.error());
+namespace {
+
+std::string name_of(const FlightAnswer& answer) {
+  return answer.source.file + (answer.title.flights > 1 ? fmt::format(" ({})", answer.source.flight) : "");
+}
+
+/// Who and what the flights were, as of one.
+FlightAnswer together(const std::vector<const FlightAnswer*>& answers) {
   const FlightAnswer& first = *answers.front();
   FlightAnswer out;
   out.part = first.part;
@@ -25,19 +27,49 @@ ingest::Result<FlightAnswer> merge_answers(const std::vector<const FlightAnswer*
   double flown = 0;
   for (const auto* answer : answers) {
     if (answer != &first) out.source.file += ", ";
-    out.source.file += answer->source.file;
-    if (answer->title.flights > 1) out.source.file += fmt::format(" ({})", answer->title.flight);
+    out.source.file += name_of(*answer);
     fingerprints += answer->source.sha256 + fmt::format(" {}\n", answer->source.flight);
     flown += answer->title.duration_s;
     add_once(out.source.problems, answer->source.problems);
   }
-  add_once(out.source.problems, merged->profile.problems);
   out.source.sha256 = sha256_hex(ingest::as_bytes(fingerprints));
-  out.title.file = fmt::format("{} flights merged ({})", answers.size(), out.source.file);
   out.title.flight = out.title.flights = 1;
   out.title.duration_s = flown;
+  return out;
+}
+
+}  // namespace
+
+ingest::Result<FlightAnswer> merge_answers(const std::vector<const FlightAnswer*>& answers) {
+  std::vector<const profiles::WindProfile*> all;
+  for (const auto* answer : answers)
+    if (answer->profile) all.push_back(&*answer->profile);
+  auto merged = profiles::merge_profiles(all);
+  if (!merged) return ingest::fail(merged.error());
+  auto out = together(answers);
+  add_once(out.source.problems, merged->profile.problems);
+  out.title.file = fmt::format("{} flights merged ({})", answers.size(), out.source.file);
   out.merged = MergeFacts{merged->spread, merged->hours, merged->farthest_m, answers.size()};
   out.profile = std::move(merged->profile);
+  return out;
+}
+
+ingest::Result<FlightAnswer> section_of(const std::vector<const FlightAnswer*>& answers) {
+  std::vector<profiles::NamedProfile> all;
+  for (const auto* answer : answers)
+    if (answer->profile) all.push_back({name_of(*answer), &*answer->profile});
+  auto section = profiles::make_section(all);
+  if (!section) return ingest::fail(section.error());
+  FlightAnswer out;
+  if (answers.size() == 1) {
+    out = *answers.front();
+  } else if (auto merged = merge_answers(answers)) {
+    out = std::move(*merged);
+  } else {
+    out = together(answers);
+    out.title.file = fmt::format("{} flights ({})", answers.size(), out.source.file);
+  }
+  out.section = std::move(*section);
   return out;
 }
 

@@ -55,6 +55,10 @@ ingest::Result<std::string> profile_netcdf_of(const FlightAnswer& answer) {
   return with_file(profile_netcdf(*answer.profile, answer.source, metadata_of(answer)), answer);
 }
 
+ingest::Result<std::string> section_netcdf_of(const FlightAnswer& answer) {
+  return with_file(section_netcdf(*answer.section, answer.source, metadata_of(answer)), answer);
+}
+
 ingest::Result<std::string> wind_netcdf_of(const FlightAnswer& answer) {
   return with_file(wind_netcdf(answer.series, answer.source, metadata_of(answer)), answer);
 }

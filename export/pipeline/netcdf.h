@@ -15,6 +15,9 @@ NetcdfMetadata metadata_of(const FlightAnswer& answer);
 ingest::Result<std::string> profile_netcdf_of(const FlightAnswer& answer);
 ingest::Result<std::string> wind_netcdf_of(const FlightAnswer& answer);
 
+/// The answer's section, which it must have.
+ingest::Result<std::string> section_netcdf_of(const FlightAnswer& answer);
+
 /// A product and the name that its users expect.
 struct NamedProduct {
   std::string name, bytes;

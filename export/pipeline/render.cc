@@ -1,5 +1,8 @@
 #include "export/pipeline/render.h"
 
+#include <fmt/format.h>
+
+#include "export/csv/section_tables.h"
 #include "export/csv/tables.h"
 #include "export/geojson/geojson.h"
 #include "export/kml/kml.h"
@@ -12,7 +15,9 @@ namespace quadsonde::product {
 namespace {
 
 std::string drag_line(const ingest::Vehicle& vehicle) {
-  if (vehicle.is_prior()) return "drag: class prior, so speeds are uncertain by about 35 %";
+  if (vehicle.is_prior())
+    return fmt::format("drag: class prior ({}), not calibrated, so speeds are uncertain by about {:.0f} %", vehicle.id,
+                       100 * vehicle.parameter_sd(ingest::p_linear) / vehicle.drag.linear);
   return "drag: " + (vehicle.name.empty() ? vehicle.id : vehicle.name) + " (" + vehicle.method + ")";
 }
 
@@ -34,6 +39,7 @@ std::string page_of(const FlightAnswer& answer) {
   report.series = &answer.series;
   report.classic = answer.classic ? &*answer.classic : nullptr;
   report.profile = answer.profile ? &*answer.profile : nullptr;
+  report.section = answer.section ? &*answer.section : nullptr;
   report.source = answer.source;
   report.autopilot = answer.autopilot_wind;
   report.velocity = &answer.part.boot->velocity;
@@ -127,6 +133,31 @@ ingest::Result<std::string> render_profile(const FlightAnswer& answer, Format fo
       break;
   }
   return page_of(answer);
+}
+
+bool holds_sections(Format format) {
+  return format == Format::csv || format == Format::json || format == Format::netcdf || format == Format::svg ||
+         format == Format::html;
+}
+
+ingest::Result<std::string> render_section(const FlightAnswer& answer, Format format) {
+  switch (format) {
+    case Format::csv:
+      return section_csv(*answer.section);
+    case Format::json:
+      return section_json(*answer.section, answer.source);
+    case Format::svg:
+      return section_svg(*answer.section, {answer.title, "section"});
+    case Format::netcdf:
+      return section_netcdf_of(answer);
+    case Format::html:
+      if (answer.profile) return page_of(answer);
+      return ingest::fail(ingest::Kind::usage, "these flights have no profile together, so there is no page of them",
+                          {}, "leave --leg out, or write the section as .svg");
+    default:
+      return ingest::fail(ingest::Kind::usage, "this format holds no section", {},
+                          "write it as .csv, .json, .nc, .svg or .html");
+  }
 }
 
 }  // namespace quadsonde::product

@@ -21,4 +21,9 @@ std::string render_state(const FlightAnswer& answer);
 /// As render_wind. The answer must have a profile, except for html, whose page then shows the wind along the flight only.
 ingest::Result<std::string> render_profile(const FlightAnswer& answer, Format format);
 
+/// The answer's section, which it must have, as CSV, JSON, netCDF, SVG or, where it has a profile too, a page.
+ingest::Result<std::string> render_section(const FlightAnswer& answer, Format format);
+/// Whether a format can hold a section.
+bool holds_sections(Format format);
+
 }  // namespace quadsonde::product

@@ -156,6 +156,8 @@ ingest::Result<RunResult> run_log(const RunRequest& request, const Control& cont
   RunResult result;
   auto parts = choose_flights(*log, request.settings.flight.flight, request.all_flights, result.notes);
   if (!parts) return fail(parts.error());
+  vehicle = choose_vehicle(request.settings.drag, request.log, &parts->front().boot->vehicle);
+  if (!vehicle) return fail(vehicle.error());
   const auto flights = static_cast<int>(log->parts.size());
   const auto folder_of = [&](int number) { return *request.folder / flight_folder_name(request.log, number, flights); };
   if (request.folder && !request.overwrite)

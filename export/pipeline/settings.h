@@ -21,6 +21,8 @@ struct InputSettings {
   std::string sensor;
   double sensor_offset_s = 0;
   std::string start_utc;
+  std::string heading = "true";
+  double heading_offset_deg = 0;
 };
 template <class Visitor>
 void describe(InputSettings& s, Visitor&& visit) {
@@ -34,18 +36,26 @@ void describe(InputSettings& s, Visitor&& visit) {
   visit("sensor_offset_s", s.sensor_offset_s, -86400.0, 86400.0, "Added to the times of the sensor's record.");
   visit("start_utc", s.start_utc, "2026-06-01T06:00:00Z",
         "When the log begins, where it does not tell; the clock of its autopilot counts on from there.");
+  visit("heading", s.heading, {"true", "magnetic"},
+        "Which north the log's headings count from; to magnetic ones the declination is added, once.");
+  visit("heading_offset_deg", s.heading_offset_deg, -180.0, 180.0,
+        "Added to every heading of the log: compass or autopilot mounted askew.");
 }
 
 /// Whose drag the wind rests on.
 struct DragSettings {
   std::string vehicle = "auto";
   std::optional<double> mass_kg;
+  std::optional<double> rotor_diameter_m = std::nullopt;
 };
 template <class Visitor>
 void describe(DragSettings& s, Visitor&& visit) {
   visit("vehicle", s.vehicle, "FILE|class:NAME|auto",
         "The vehicle's drag; auto takes vehicle.toml beside the log, else the class prior.");
-  visit("mass_kg", s.mass_kg, 0.01, 1000.0, "Mass as flown; the drag of the vehicle file is scaled to it.");
+  visit("mass_kg", s.mass_kg, 0.01, 1000.0,
+        "Mass as flown; the drag of the vehicle file is scaled to it, and without a file it tells the class.");
+  visit("rotor_diameter_m", s.rotor_diameter_m, 0.01, 10.0,
+        "Diameter of a rotor; without a vehicle file it tells the class, where the mass does not.");
 }
 
 /// Which of the flights in a log.

@@ -151,6 +151,8 @@ std::vector<std::string> diagnostic_sentences(const estimator::FlightDiagnostics
   if (d.climb_estimated)
     all.push_back(fmt::format("Ascent and descent together fix the climb law: {:.3f} \u00b1 {:.3f} s/m.",
                               d.climb_linear, d.climb_linear_sd));
+  for (const auto& sentence : {learned_sentence(d), vertical_sentence(d)})
+    if (!sentence.empty()) all.push_back(sentence);
   return all;
 }
 
@@ -197,22 +199,30 @@ void body(Markup& html, const Report& report) {
   if (report.profile) {
     html.leaf("h2", "Profile");
     html.trusted(profile_svg(*report.profile, {report.title, "", report.reference, "true wind", "profile", report.marks}));
+    for (const auto& note : note_sentences(*report.profile)) paragraph(html, note);
+  }
+  if (report.section) {
+    html.leaf("h2", "Over time and height");
+    html.trusted(section_svg(*report.section, {report.title, "section"}));
   }
   if (report.profile) {
     const auto levels = level_sentences(*report.profile);
-    if (!levels.empty()) html.leaf("h2", "At heights that are asked for");
+    if (!levels.empty()) html.leaf("h2", "Levels, shear and laws");
     list(html, levels);
   }
   if (!report.comparison.empty()) {
     html.leaf("h2", "Against the reference");
     list(html, report.comparison);
   }
-  html.leaf("h2", "Along the flight");
-  html.trusted(series_svg(*report.series, {report.title, report.classic, "series", report.along, "true wind"}));
-  html.trusted(
-      state_svg(*report.series, {report.title, report.classic, report.velocity, report.along, "true wind", "state"}));
-  html.leaf("h2", "What the flight says about itself");
-  list(html, diagnostic_sentences(report.series->diagnostics));
+  // Flights that were merged have no wind along a flight.
+  if (!report.series->points.empty()) {
+    html.leaf("h2", "Along the flight");
+    html.trusted(series_svg(*report.series, {report.title, report.classic, "series", report.along, "true wind"}));
+    html.trusted(
+        state_svg(*report.series, {report.title, report.classic, report.velocity, report.along, "true wind", "state"}));
+    html.leaf("h2", "What the flight says about itself");
+    list(html, diagnostic_sentences(report.series->diagnostics));
+  }
   if (report.profile && !report.profile->found.empty()) {
     std::string legs;
     for (const auto& leg : leg_sentences(*report.profile)) legs += (legs.empty() ? "" : "; ") + leg;

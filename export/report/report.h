@@ -6,6 +6,7 @@
 #include "export/csv/source.h"
 #include "export/report/autopilot_wind.h"
 #include "export/report/profile_picture.h"
+#include "export/report/section_picture.h"
 #include "export/report/series_picture.h"
 
 namespace quadsonde::product {
@@ -15,6 +16,7 @@ struct Report {
   const estimator::WindSeries* series = nullptr;  ///< needed
   const estimator::WindSeries* classic = nullptr;
   const profiles::WindProfile* profile = nullptr;  ///< none: the page shows the wind along the flight only
+  const profiles::Section* section = nullptr;      ///< its wind over time and height, where there is more than one leg each
   ProductSource source;
   std::vector<ReferenceLevel> reference;
   std::vector<ReferenceMark> marks;                           ///< reports of stations

@@ -77,7 +77,14 @@ std::string reasons_text(const estimator::WindSeries& series) {
 std::string levels_text(const profiles::WindProfile& profile) {
   std::string text;
   for (const auto& sentence : level_sentences(profile)) text += wrapped("- " + sentence, 79, 2) + "\n";
-  return text.empty() ? text : "At heights that are asked for:\n" + text;
+  return text.empty() ? text : "Levels, shear and laws (heights above take-off, 95 %):\n" + text;
+}
+
+/// What the flight is no profile of, and what would be one.
+std::string notes_text(const profiles::WindProfile& profile) {
+  std::string text;
+  for (const auto& note : note_sentences(profile)) text += wrapped(note) + "\n";
+  return text;
 }
 
 /// Tests of the estimate against itself that failed; passed ones are no news.
@@ -91,6 +98,10 @@ std::string failed_checks(const estimator::FlightDiagnostics& diagnostics) {
 std::string closing(const estimator::FlightDiagnostics& diagnostics, const ingest::Vehicle& vehicle,
                     estimator::Reasons reasons, const std::optional<AutopilotComparison>& autopilot) {
   auto text = failed_checks(diagnostics) + wrapped(vehicle_sentence(vehicle)) + "\n";
+  if (const auto learned = learned_sentence(diagnostics); !learned.empty()) text += wrapped(learned) + "\n";
+  // Most logs have no rotor speeds; only where they have is it news that nothing came of them.
+  if (diagnostics.vertical && diagnostics.vertical->rotors_logged)
+    if (const auto vertical = vertical_sentence(diagnostics); !vertical.empty()) text += wrapped(vertical) + "\n";
   if (autopilot) text += wrapped(autopilot_sentence(*autopilot)) + "\n";
   const auto better = advice(diagnostics, vehicle, reasons);
   if (better.empty()) return text;
@@ -200,8 +211,8 @@ std::string profile_table(const profiles::WindProfile& profile) {
 std::string profile_answer(const FlightTitle& title, const profiles::WindProfile& profile,
                            const estimator::FlightDiagnostics& diagnostics, const ingest::Vehicle& vehicle,
                            const std::optional<AutopilotComparison>& autopilot) {
-  return heading_lines(title) + profile_table(profile) + "\n" + levels_text(profile) + reasons_text(profile) +
-         closing(diagnostics, vehicle, reasons_of(profile), autopilot);
+  return heading_lines(title) + profile_table(profile) + "\n" + notes_text(profile) + levels_text(profile) +
+         reasons_text(profile) + closing(diagnostics, vehicle, reasons_of(profile), autopilot);
 }
 
 std::string merged_answer(const FlightTitle& title, const profiles::WindProfile& profile, const std::string& spread,

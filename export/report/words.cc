@@ -46,6 +46,7 @@ std::string when_and_where(const FlightTitle& title) {
   append(title.start ? minute_text(*title.start) : "date not known");
   if (title.place) append(place_text(*title.place));
   append(duration_text(title.duration_s) + " in the air");
+  if (!title.heading.empty()) append(title.heading);
   return text;
 }
 
@@ -56,11 +57,36 @@ std::string vehicle_sentence(const ingest::Vehicle& vehicle) {
                                 : 0;
   if (vehicle.is_prior())
     return fmt::format(
-        "No vehicle file: the drag of an average multirotor stands in ({}). It is uncertain by {:.0f} %, and so is "
-        "every speed here; directions hardly depend on it.",
-        vehicle.id, 100 * relative);
+        "No vehicle file: the drag of {} stands in ({}: class prior, not calibrated). It is uncertain by {:.0f} %, and "
+        "so is every speed here; directions hardly depend on it.",
+        vehicle.id == "class:generic" ? "an average multirotor" : "an average one of " + vehicle.name, vehicle.id,
+        100 * relative);
   return fmt::format("Drag of {} ({}), uncertain by {:.0f} % between flights.",
                      vehicle.name.empty() ? vehicle.id : vehicle.name, vehicle.method, 100 * relative);
+}
+
+std::string learned_sentence(const estimator::FlightDiagnostics& diagnostics) {
+  const auto& drag = diagnostics.online_drag;
+  if (!drag) return {};
+  if (drag->seconds <= 0)
+    return fmt::format(
+        "Online drag: never updated, since the flight's own motion does not tell of it (index {:.1f} m/s, 1.5 needed "
+        "over a minute); the drag stays as it was, uncertain by {:.0f} %.",
+        diagnostics.excitation, 100 * drag->sd);
+  return fmt::format(
+      "Online drag: {:.3f} +- {:.3f} (1 sigma) times the vehicle's, latency {:.3f} +- {:.3f} s, learned during {} of "
+      "the flight.",
+      drag->factor, drag->factor * drag->sd, drag->latency, drag->latency_sd, duration_text(drag->seconds));
+}
+
+std::string vertical_sentence(const estimator::FlightDiagnostics& diagnostics) {
+  const auto& vertical = diagnostics.vertical;
+  if (!vertical) return {};
+  if (vertical->none) return fmt::format("No vertical wind: {}.", vertical->why);
+  return fmt::format(
+      "Vertical wind from the rotor speeds, about its mean over the flight: the thrust answers with {:.2f} +- {:.2f} "
+      "m/s2 per m/s{}.",
+      vertical->axial, vertical->axial_sd, vertical->axial_from_flight ? "" : ", as rotors of its size do");
 }
 
 std::string problem_sentence(const ingest::Problem& problem) {
@@ -99,7 +125,9 @@ std::vector<std::string> advice(const estimator::FlightDiagnostics& d, const ing
         "See what `quadsonde check` says of this log and correct its columns (--columns MAP.toml): nothing else helps "
         "before.");
   if (vehicle.is_prior())
-    all.push_back("Give a vehicle file (--vehicle FILE): it brings the speeds from +-35 % to about +-6 %.");
+    all.push_back(fmt::format(
+        "Give a vehicle file (--vehicle FILE): it brings the speeds from +-{:.0f} % to about +-6 %.",
+        100 * vehicle.parameter_sd(ingest::p_linear) / vehicle.drag.linear));
   if (!d.trim_estimated)
     all.push_back(
         "Turn the nose through at least one full turn in flight: then the tilt trim is measured, not assumed.");

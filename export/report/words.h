@@ -20,6 +20,7 @@ struct FlightTitle {
   double duration_s = 0;
   std::string vehicle;  ///< as the log names it; may be empty
   std::string autopilot;
+  std::string heading = {};  ///< what was done to the headings; empty: nothing
 };
 
 /// "north-northwest" of 337.5.
@@ -36,6 +37,9 @@ std::string title_text(const FlightTitle& title);
 std::string when_and_where(const FlightTitle& title);
 /// Which drag the wind rests on and what that costs, in one or two sentences.
 std::string vehicle_sentence(const ingest::Vehicle& vehicle);
+/// What the flight told of its drag, and whether it said anything of the vertical wind; empty where nothing is to say.
+std::string learned_sentence(const estimator::FlightDiagnostics& diagnostics);
+std::string vertical_sentence(const estimator::FlightDiagnostics& diagnostics);
 
 /// "WHERE: WHAT. Hint.", as a sentence that can stand on a page.
 std::string problem_sentence(const ingest::Problem& problem);

@@ -168,7 +168,7 @@ TEST(Estimate, HasTheSameColumnsInEveryMode) {
     const auto text = read_text(folder / (mode + ".csv"));
     if (header.empty()) header = text.substr(0, text.find('\n'));
     EXPECT_EQ(text.substr(0, text.find('\n')), header);
-    EXPECT_THAT(text, HasSubstr("," + mode + "\n"));
+    EXPECT_THAT(text, HasSubstr("," + mode + ","));  // the columns behind it came later
   }
 }
 

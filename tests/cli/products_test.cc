@@ -127,5 +127,34 @@ TEST(Products, ASensorsTemperatureIsInTheCampaignsFormsOnlyWhereOneWasGiven) {
   EXPECT_THAT(read_text(place.folder / "with.ascii2nc"), HasSubstr(" 285.15\n"));
 }
 
+TEST(Section, IsPrintedAndWrittenInItsFormats) {
+  const Place place;
+  const auto printed = place.run({"profile", "a.csv", "--section"});
+  EXPECT_THAT(printed.code, testing::AnyOf(0, 3)) << printed.err;
+  EXPECT_THAT(printed.out, HasSubstr("Wind over time and height"));
+  for (const auto* file : {"s.csv", "s.json", "s.nc", "s.svg", "s.html"})
+    EXPECT_THAT(place.run({"profile", "a.csv", "--section", "-o", file}).code, testing::AnyOf(0, 3)) << file;
+  EXPECT_EQ(place.start_of("s.nc"), "\x89HDF");
+  EXPECT_THAT(read_text(place.folder / "s.csv"), HasSubstr("section_column,section_from_utc"));
+  EXPECT_THAT(read_text(place.folder / "s.html"), HasSubstr("Over time and height"));
+  const auto refused = place.run({"profile", "a.csv", "--section", "-o", "s.bufr"});
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_THAT(refused.err, HasSubstr(".csv, .json, .nc, .svg or .html"));
+  EXPECT_FALSE(fs::exists(place.folder / "s.bufr"));
+}
+
+TEST(HubHeight, IsToldWithItsIntervalInTextJsonAndReport) {
+  const Place place;
+  const auto text = place.run({"profile", "a.csv", "--hub-height-m", "30"}).out;
+  EXPECT_THAT(text,
+              testing::ContainsRegex("at hub height, 30 m: [0-9.]+ \\+- [0-9.]+ m/s from [0-9]+ \\+- [0-9]+ deg"));
+  EXPECT_THAT(place.run({"profile", "a.csv", "--hub-height-m", "90"}).out,
+              HasSubstr("the profile does not reach there"));
+  place.run({"profile", "a.csv", "--hub-height-m", "30", "-o", "h.html"});
+  EXPECT_THAT(read_text(place.folder / "h.html"), HasSubstr("at hub height, 30 m"));
+  place.run({"profile", "a.csv", "--hub-height-m", "30", "-o", "h.json"});
+  EXPECT_THAT(read_text(place.folder / "h.json"), HasSubstr("\"hub_height_m\": 30.0"));
+}
+
 }  // namespace
 }  // namespace quadsonde::cli

@@ -5,8 +5,11 @@
 #include <fstream>
 #include <iterator>
 #include <regex>
+#include <sstream>
 
 #include "estimator/smoother/wind_series.h"
+#include "export/csv/section_tables.h"
+#include "export/csv/tables.h"
 
 namespace quadsonde {
 namespace {
@@ -44,6 +47,35 @@ TEST(Pages, ExplainEveryReasonUnderTheQualityThatFollowsFromIt) {
     EXPECT_NE(section.find(fmt::format("| `{}` |", estimator::name(reason))), std::string::npos)
         << estimator::name(reason) << " has no row among the " << estimator::name(estimator::at_best(reason));
   }
+}
+
+/// The names in the first line of a table.
+std::vector<std::string> columns_of(const std::string& csv) {
+  std::vector<std::string> names;
+  std::istringstream line(csv.substr(0, csv.find('\n')));
+  for (std::string name; std::getline(line, name, ',');) names.push_back(name);
+  return names;
+}
+
+/// The names in the first cells of a page's table under a heading, in their order.
+std::vector<std::string> rows_under(const std::string& page, const std::string& heading) {
+  const auto begin = page.find(heading);
+  if (begin == std::string::npos) return {};
+  const auto section = page.substr(begin, page.find("\n## ", begin) - begin);
+  const std::regex row(R"(\n\| `([^`]+)` \|)");
+  std::vector<std::string> names;
+  for (std::sregex_iterator match(section.begin(), section.end(), row), end; match != end; ++match)
+    names.push_back((*match)[1]);
+  return names;
+}
+
+TEST(Pages, ExplainEveryColumnOfTheTablesInItsOrder) {
+  const auto page = text_of(QUADSONDE_SOURCE "/doc/columns.md");
+  EXPECT_EQ(rows_under(page, "## `wind.csv`"), columns_of(product::wind_csv({})));
+  auto columns = columns_of(product::profile_csv({}));
+  EXPECT_EQ(rows_under(page, "## `profile.csv`"), columns);
+  for (const auto& column : rows_under(page, "## A section")) columns.push_back(column);
+  EXPECT_EQ(columns_of(product::section_csv({})), columns);
 }
 
 TEST(Pages, LinkOnlyToWhatIsThere) {

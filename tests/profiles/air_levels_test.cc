@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "profiles/make_profile.h"
 #include "tests/profiles/made_series.h"
 
@@ -35,6 +37,18 @@ TEST(AirLevels, AreEmptyWithoutASensor) {
   fill_air(profile, maker.series, {});
   for (const auto& bin : profile.legs.back().bins)
     EXPECT_FALSE(bin.temperature_k || bin.pressure_pa || bin.relative_humidity_pct);
+}
+
+TEST(BarometricAltitude, IsThatOfTheStandardAtmosphere) {
+  // ISO 2533, table 5.
+  EXPECT_NEAR(*barometric_altitude(101325), 0, 1e-9);
+  EXPECT_NEAR(*barometric_altitude(89874.6), 1000, 0.1);
+  EXPECT_NEAR(*barometric_altitude(54019.9), 5000, 0.2);
+  EXPECT_NEAR(*barometric_altitude(107477), -500, 1);
+  EXPECT_FALSE(barometric_altitude(20000)) << "beyond the tropopause the law is another";
+  EXPECT_FALSE(barometric_altitude(0));
+  EXPECT_FALSE(barometric_altitude(std::nan("")));
+  EXPECT_FALSE(barometric_altitude(Bin{})) << "no pressure, no height of it";
 }
 
 }  // namespace

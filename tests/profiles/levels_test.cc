@@ -104,5 +104,67 @@ TEST(BulkRichardson, FollowsItsDefinition) {
   EXPECT_FALSE(bulk_richardson(leg));
 }
 
+TEST(DescribeLevels, TellsTheWindAtTheHubHeightBesideTheUsualOnes) {
+  WindProfile profile;
+  profile.legs = {leg_of(by_height(12, [](double z) { return z / 20; }))};
+  EXPECT_EQ(describe_levels(profile).winds.size(), 3u);
+  profile.hub_height = 80;
+  const auto winds = describe_levels(profile).winds;
+  ASSERT_EQ(winds.size(), 4u);
+  EXPECT_EQ(winds[2].height, 80);
+  EXPECT_NEAR(winds[2].wind->v_NA_N.y(), 4, 1e-12);
+  EXPECT_NEAR(winds[3].wind->v_NA_N.y(), 5, 1e-12);
+  profile.hub_height = 50;
+  EXPECT_EQ(describe_levels(profile).winds.size(), 3u) << "once is enough";
+  profile.hub_height = 300;
+  EXPECT_FALSE(describe_levels(profile).winds.back().wind) << "never extrapolated";
+}
+
+TEST(DescribeLevels, OfBinsAboveTheSeaAreStillAboveTakeOff) {
+  WindProfile profile;
+  profile.legs = {leg_of(by_height(12, [](double z) { return z / 20; }))};
+  profile.datum = Datum::msl;
+  EXPECT_TRUE(describe_levels(profile).winds.empty()) << "where the take-off point lies is not known";
+  for (auto& bin : profile.legs[0].bins) {
+    bin.height_msl = ingest::MslHeight{bin.height_agl->m + 500};
+    bin.bottom += 500, bin.top += 500;
+  }
+  const auto winds = describe_levels(profile).winds;
+  ASSERT_EQ(winds.size(), 3u);
+  EXPECT_EQ(winds[1].height, 50);
+  EXPECT_NEAR(winds[1].wind->v_NA_N.y(), 2.5, 1e-12);
+}
+
+/// The made-up leg with a drag known to 20 %, which all heights share, beside a noise of 0.05 m/s.
+Leg with_shared_drag(Leg leg) {
+  for (auto& bin : leg.bins) {
+    auto& wind = std::get<estimator::WindEstimate>(bin.wind);
+    const double along = 0.2 * wind.v_NA_N.norm();
+    wind.covariance(1, 1) += along * along;
+    bin.sd_calibration = along / std::sqrt(2.0);
+  }
+  return leg;
+}
+
+TEST(Shear, ThatTheDragScalesAtAllHeightsAlikeIsNoIndependentError) {
+  const auto leg = with_shared_drag(leg_of(by_height(12, [](double z) { return 4 + z / 20; })));
+  const auto winds = winds_at(leg, {15, 95});
+  EXPECT_NEAR(winds[0].shared, 0.2, 1e-6);
+  const auto shear = shear_between(winds[0], winds[1]);
+  ASSERT_TRUE(shear);
+  EXPECT_NEAR(shear->shear.value, 0.05, 1e-9);
+  EXPECT_NEAR(shear->shear.sd, std::hypot(std::sqrt(2.0) * 0.05, 0.2 * 4) / 80, 2e-4)
+      << "20 % of the shear and the noise of both, not 20 % of both winds";
+}
+
+TEST(PowerLaw, ItsExponentDoesNotHangOnTheDragButTheSpeedDoes) {
+  const auto plain = leg_of(by_height(12, [](double z) { return 5 * std::pow(z / 10, 0.2); }));
+  const auto exact = power_law(plain), open = power_law(with_shared_drag(plain));
+  ASSERT_TRUE(exact && open);
+  EXPECT_NEAR(open->exponent.value, 0.2, 1e-6);
+  EXPECT_LT(open->exponent.sd, 3 * exact->exponent.sd);
+  EXPECT_NEAR(open->speed_10m.sd, 0.2 * 5, 0.05);
+}
+
 }  // namespace
 }  // namespace quadsonde::profiles

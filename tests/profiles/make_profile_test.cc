@@ -94,6 +94,38 @@ TEST(Profile, OfAFlightWithoutAClimbHasAllOnly) {
   EXPECT_FALSE(p.up_down);
 }
 
+TEST(Profile, OfAFlightThatNeverClimbsSaysSoAndWhatWouldBeAProfile) {
+  auto p = profile_of(SeriesMaker().from(30).stay(60, breeze).series);
+  ASSERT_EQ(p.notes.size(), 1u);
+  EXPECT_NE(p.notes[0].what.find("stays near 30 m"), std::string::npos) << p.notes[0].what;
+  EXPECT_NE(p.notes[0].hint.find("climb 100 m"), std::string::npos);
+  EXPECT_TRUE(p.flown.empty());
+  EXPECT_EQ(p.legs.back().bins.size(), 1u) << "no bin is invented";
+  EXPECT_TRUE(profile_of(SeriesMaker().climb(42, 2, breeze).series).notes.empty());
+}
+
+TEST(Profile, OfAClimbOfFiveMetresNamesTheSmallerBinsThatWouldDo) {
+  const auto flight = SeriesMaker().from(3).climb(8, 1, breeze).stay(20, breeze).climb(3, 1, breeze).series;
+  const auto p = profile_of(flight);
+  ASSERT_EQ(p.notes.size(), 1u);
+  EXPECT_NE(p.notes[0].what.find("stays between 3 and 8 m"), std::string::npos) << p.notes[0].what;
+  EXPECT_NE(p.notes[0].hint.find("--bin-m 2"), std::string::npos) << p.notes[0].hint;
+  ASSERT_EQ(p.legs.size(), 1u);
+  ASSERT_EQ(p.legs[0].bins.size(), 1u);
+  EXPECT_NEAR(p.legs[0].bins[0].height_agl->m, 7, 1) << "the height that was flown, not the bin's middle";
+  const auto fine = profile_of(flight, bins_of(2, Datum::agl));
+  EXPECT_EQ(fine.legs.size(), 3u);
+  EXPECT_TRUE(fine.notes.empty()) << "what the hint says is true";
+}
+
+TEST(Profile, KeepsEachAscentAndDescentApartToo) {
+  const auto p = profile_of(SeriesMaker().climb(42, 2, breeze).climb(0, 2, -breeze).climb(42, 2, 2 * breeze).series);
+  ASSERT_EQ(p.flown.size(), 3u);
+  EXPECT_LT((wind(p.flown[2].bins[1])->v_NA_N - 2 * breeze).norm(), 1e-12);
+  EXPECT_EQ(p.flown[0].bins[1].samples + p.flown[2].bins[1].samples, p.legs[0].bins[1].samples);
+  EXPECT_EQ(p.flown[1].bins[1].samples, p.legs[1].bins[1].samples);
+}
+
 TEST(Profile, PausesOfAClimbCountInItsLeg) {
   auto maker = SeriesMaker().climb(25, 1, breeze).stay(30, breeze).climb(50, 1, breeze);
   const auto p = profile_of(maker.series);

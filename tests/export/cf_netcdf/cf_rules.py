@@ -18,7 +18,8 @@ UNITS = {  # of every standard name that we write
     "time": SECONDS, "latitude": "degrees_north", "longitude": "degrees_east", "altitude": "m", "height": "m",
     "surface_altitude": "m", "geoid_height_above_reference_ellipsoid": "m", "eastward_wind": "m s-1",
     "northward_wind": "m s-1", "wind_speed": "m s-1", "wind_from_direction": "degree", "number_of_observations": "1",
-    "aggregate_quality_flag": None, "status_flag": None,
+    "aggregate_quality_flag": None, "status_flag": None, "air_pressure": "Pa", "air_temperature": "K", "relative_humidity": "percent",
+    "barometric_altitude": "m",
 }
 OTHER_UNITS = {"m s-1", "m2 s-2", "1", "m", "s", "degrees_north", "degrees_east", SECONDS}
 ROLES = {"profile": {"profile_id"}, "timeSeriesProfile": {"timeseries_id", "profile_id"}, "trajectory": {"trajectory_id"}}

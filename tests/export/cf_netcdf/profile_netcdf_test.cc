@@ -4,14 +4,17 @@
 #include <cmath>
 #include <cstdlib>
 #include <limits>
+#include <nlohmann/json.hpp>
 #include <thread>
 
 #include "export/atomic_file.h"
 #include "export/cf_netcdf/cf_netcdf.h"
 #include "export/cf_netcdf/hdf5_checksum.h"
+#include "export/cf_netcdf/read_profile.h"
 #include "export/csv/tables.h"
 #include "export/geoid/geoid.h"
 #include "nc_reader.h"
+#include "profiles/air_levels.h"
 #include "profiles/make_profile.h"
 #include "run_python.h"
 #include "tests/export/made_up.h"
@@ -85,6 +88,105 @@ TEST(ProfileNetcdf, HoldsTheMergedLegWhereThatIsAllThereIs) {
   const NcReader file(bytes_of(merged_only()));
   ASSERT_EQ(file.length("time"), 1u);
   EXPECT_EQ(file.numbers("leg"), std::vector<double>{2});
+}
+
+/// With everything that a bin can know.
+profiles::WindProfile full() {
+  auto profile = flown();
+  for (auto& leg : profile.legs)
+    for (auto& bin : leg.bins) {
+      if (!bin.samples) continue;
+      bin.sd_noise = 0.11, bin.sd_climb_law = 0.07;
+      bin.pressure_pa = 99000 - 11 * bin.bottom, bin.temperature_k = 290 - 0.01 * bin.bottom;
+      bin.relative_humidity_pct = 60 + 0.01 * bin.bottom;
+    }
+  profile.found = {{profiles::FoundLeg::Kind::ascent, ingest::LogTime{0}, ingest::LogTime{} + ingest::seconds(300), 300,
+                    10.0, 240.0, 0.77, 0.1}};
+  return profile;
+}
+profiles::WindProfile optimal() {
+  auto profile = merged_only();
+  auto& bins = profile.legs[0].bins;
+  const auto n = static_cast<Eigen::Index>(bins.size());
+  profile.method = profiles::Method::optimal;
+  profile.optimal = profiles::OptimalDetails{{}, Eigen::MatrixXd::Identity(n, n) * 0.6, 0.6 * static_cast<double>(n)};
+  profile.optimal->kernel(0, 1) = 0.25;
+  for (auto& bin : bins) bin.resolution_m = 23.5, bin.freedom = 0.6, bin.sd_sampling.reset();
+  return profile;
+}
+
+TEST(ProfileNetcdf, CarriesAllThatABinKnowsAndObeysTheRules) {
+  for (const auto& profile : {full(), optimal()}) {
+    const support::TemporaryFolder folder;
+    write_both(folder, profile);
+    EXPECT_EQ(support::python(QUADSONDE_READ_BACK, "profile" + support::quoted(folder / "profile.nc") +
+                                                       support::quoted(folder / "profile.csv")),
+              "");
+    EXPECT_EQ(support::python(QUADSONDE_CF_RULES, support::quoted(folder / "profile.nc")), "");
+  }
+}
+
+TEST(ProfileNetcdf, LeavesOutTheAirThatWasNotMeasuredAndTheKernelOfPlainBins) {
+  const NcReader plain(bytes_of(flown())), measured(bytes_of(full())), nodes(bytes_of(optimal()));
+  for (const auto* name : {"air_pressure", "air_temperature", "relative_humidity", "barometric_altitude"}) {
+    EXPECT_FALSE(plain.has(name)) << name;
+    EXPECT_TRUE(measured.has(name)) << name;
+  }
+  EXPECT_NEAR(measured.numbers("barometric_altitude")[0], *profiles::barometric_altitude(99000 - 110), 1e-9);
+  EXPECT_FALSE(plain.has("averaging_kernel"));
+  ASSERT_TRUE(nodes.has("averaging_kernel"));
+  EXPECT_FLOAT_EQ(static_cast<float>(nodes.numbers("averaging_kernel")[1]), 0.25f) << "row by row";
+}
+
+TEST(ProfileNetcdf, TellsLegsLevelsAndTheUpDownTestAsTheJsonDoes) {
+  const auto profile = full();
+  const NcReader file(bytes_of(profile));
+  const auto json = nlohmann::json::parse(product::profile_json(profile, support::made_up_source()));
+  for (const auto& [attribute, key] : {std::pair("quadsonde_legs", "legs"), std::pair("quadsonde_levels", "levels"),
+                                       std::pair("quadsonde_up_down", "up_down")})
+    EXPECT_EQ(nlohmann::json::parse(file.attribute(nullptr, attribute)), json[key]) << attribute;
+  EXPECT_EQ(file.attribute(nullptr, "quadsonde_method"), "bins");
+  EXPECT_EQ(json["legs"][0]["kind"], "ascent");
+}
+
+TEST(ProfileNetcdf, ReadAgainGivesThePartsOfTheUncertaintyAndTheAir) {
+  const auto profile = full();
+  // The made-up source has no real fingerprint, which a reader wants.
+  auto source = support::made_up_source();
+  source.sha256 = std::string(64, 'a');
+  const auto stored = product::read_profile_netcdf(ingest::as_bytes(*profile_netcdf(profile, source)), "p.nc");
+  ASSERT_TRUE(stored) << ingest::to_string(stored.error());
+  const auto& bin = stored->records[0].bins[3];
+  EXPECT_NEAR(*bin.noise, 0.11, 1e-6);
+  EXPECT_NEAR(*bin.climb_law, 0.07, 1e-6);
+  EXPECT_NEAR(*bin.calibration, 0.12, 1e-6);
+  EXPECT_NEAR(*bin.trim, 0.05, 1e-6);
+  EXPECT_NEAR(*bin.sampling, 0.3, 1e-6);
+  EXPECT_NEAR(*bin.pressure_pa, 99000 - 11 * 40, 1e-9);
+  EXPECT_FALSE(bin.freedom) << "bins have none";
+  EXPECT_FALSE(stored->records[1].bins[14].noise) << "an empty bin has no error";
+}
+
+TEST(SectionNetcdf, HasARecordForEachAscentAndDescentAndIsNoProfileOfOneFlight) {
+  profiles::Section section;
+  const auto profile = full();
+  for (int i = 0; i < 3; ++i)
+    section.columns.push_back({"a b.ulg", profile.legs[static_cast<std::size_t>(i % 2)], t0 + ingest::seconds(1000 * i),
+                               t0 + ingest::seconds(1000 * i + 300)});
+  auto source = support::made_up_source();
+  source.sha256 = std::string(64, 'a');
+  const auto bytes = product::section_netcdf(section, source);
+  ASSERT_TRUE(bytes) << ingest::to_string(bytes.error());
+  const NcReader file(*bytes);
+  EXPECT_EQ(file.numbers("leg"), (std::vector<double>{0, 1, 0}));
+  EXPECT_EQ(file.numbers("time"), (std::vector<double>{1.75e9 + 150, 1.75e9 + 1150, 1.75e9 + 2150}));
+  EXPECT_EQ(file.text("profile_id").substr(0, 8), "a_b-1-up");
+  const support::TemporaryFolder folder;
+  ASSERT_TRUE(product::write_file(folder / "section.nc", *bytes));
+  EXPECT_EQ(support::python(QUADSONDE_CF_RULES, support::quoted(folder / "section.nc")), "");
+  EXPECT_EQ(product::read_profile_netcdf(ingest::as_bytes(*bytes), "s.nc").error().kind, ingest::Kind::unsupported);
+  section.columns[1].from = section.columns[0].from, section.columns[1].to = section.columns[0].to;
+  EXPECT_EQ(product::section_netcdf(section, source).error().kind, ingest::Kind::inconsistent);
 }
 
 TEST(ProfileNetcdf, RecordsStandInTheOrderOfTheirTimes) {

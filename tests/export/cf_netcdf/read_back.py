@@ -25,7 +25,13 @@ BINS = {
     "eastward_wind_sigma": ("sigma_east_m_s", 5e-5), "northward_wind_sigma": ("sigma_north_m_s", 5e-5),
     "effective_n_obs": ("effective_samples", 5e-3), "wind_sd_sampling": ("sd_sampling_m_s", 5e-5),
     "wind_sd_calibration": ("sd_calibration_m_s", 5e-5), "wind_sd_trim": ("sd_trim_m_s", 5e-5),
+    "wind_sd_noise": ("sd_noise_m_s", 5e-5), "wind_sd_climb_law": ("sd_climb_law_m_s", 5e-5),
     "wind_from_direction_spread": ("spread_from_deg", 5e-3), "sample_lat": ("lat_deg", 5e-8), "sample_lon": ("lon_deg", 5e-8),
+}
+SOME = {  # where the flight or the method has them
+    "vertical_resolution": ("resolution_m", 5e-3), "degrees_of_freedom": ("freedom", 5e-4), "air_pressure": ("air_pressure_pa", 0.5),
+    "air_temperature": ("air_temperature_k", 5e-3), "relative_humidity": ("relative_humidity_pct", 5e-2),
+    "barometric_altitude": ("barometric_altitude_m", 5e-3),
 }
 STEPS = {**WIND, "lat": ("lat_deg", 5e-8), "lon": ("lon_deg", 5e-8), "altitude": ("height_msl_m", 5e-3), "height": ("height_agl_m", 5e-3),
          "log_time": ("time_s", 1e-6)}
@@ -47,7 +53,9 @@ def run(*command):
 def profile(path, rows):
     data = xarray.open_dataset(path)  # decodes times and fill values
     assert data.featureType == "timeSeriesProfile"
-    seen, values = 0, {name: data[name].values for name in [*BINS, "wind_qc", "n_obs", "height"]}
+    some = {name: told for name, told in SOME.items() if name in data}
+    assert set(some) == {name for name, (column, _) in SOME.items() if any(row[column] for row in rows)}
+    seen, values = 0, {name: data[name].values for name in [*BINS, *some, "wind_qc", "n_obs", "height"]}
     for record in range(data.sizes["time"]):
         leg = LEGS[int(data.leg[record])]
         of_leg = [row for row in rows if row["leg"] == leg]
@@ -57,7 +65,7 @@ def profile(path, rows):
                                              data.time_bnds[record, 1].astype("int64")))
         assert low <= mid <= high and abs(low + high - 2 * mid) < 1e4, (low, mid, high)
         for level, row in enumerate(of_leg):
-            for name, (column, tolerance) in BINS.items():
+            for name, (column, tolerance) in {**BINS, **some}.items():
                 same(values[name][record, level], row[column], tolerance, (leg, level, name))
             assert FLAGS[int(values["wind_qc"][record, level])] == row["quality"]
             assert int(values["n_obs"][record, level]) == int(row["samples"])

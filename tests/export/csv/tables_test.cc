@@ -29,10 +29,11 @@ estimator::WindSeries two_points() {
 TEST(WindCsv, HasTheColumnsOfTheContractAndOneRowPerStep) {
   EXPECT_EQ(wind_csv(two_points()),
             "time_s,utc,lat_deg,lon_deg,height_msl_m,height_agl_m,wind_east_m_s,wind_north_m_s,sd_wind_east_m_s,"
-            "sd_wind_north_m_s,cov_wind_east_north_m2_s2,wind_speed_m_s,wind_from_deg,quality,mode\n"
-            "12.500000,2025-06-15T15:06:52.500Z,43.5657000,1.4815000,180.00,30.00,,,,,,,,none,smoothed\n"
+            "sd_wind_north_m_s,cov_wind_east_north_m2_s2,wind_speed_m_s,wind_from_deg,quality,mode,"
+            "wind_up_m_s,sd_wind_up_m_s,drag_factor,sd_drag_factor,drag_updated\n"
+            "12.500000,2025-06-15T15:06:52.500Z,43.5657000,1.4815000,180.00,30.00,,,,,,,,none,smoothed,,,,,\n"
             "12.600000,2025-06-15T15:06:52.600Z,43.5657000,1.4815000,180.00,30.00,5.0000,0.0000,0.5000,0.5000,0.025000,"
-            "5.0000,270.00,good,smoothed\n");
+            "5.0000,270.00,good,smoothed,,,,,\n");
 }
 
 TEST(WindCsv, LeavesEmptyWhatIsNotKnown) {
@@ -43,13 +44,21 @@ TEST(WindCsv, LeavesEmptyWhatIsNotKnown) {
   std::get<estimator::WindEstimate>(p.wind).has_covariance = false;
   p.quality = Quality::doubtful;
   series.points = {p};
-  EXPECT_THAT(wind_csv(series), HasSubstr("\n0.000000,,,,,,0.0000,-3.0000,,,,3.0000,360.00,doubtful,classic\n"));
+  EXPECT_THAT(wind_csv(series), HasSubstr("\n0.000000,,,,,,0.0000,-3.0000,,,,3.0000,360.00,doubtful,classic,,,,,\n"));
+}
+
+TEST(WindCsv, GivesVerticalWindAndDragFactorWhereTheyAreKnown) {
+  estimator::WindSeries series;
+  series.points = {point_at(0, 10, estimate_of(5, 270, 0.5))};
+  series.points[0].vertical = {-0.4f, 0.25f};
+  series.points[0].drag = {1.25f, 0.04f, true};
+  EXPECT_THAT(wind_csv(series), HasSubstr(",good,smoothed,-0.4000,0.2500,1.2500,0.0500,1\n"));
 }
 
 TEST(WindCsv, GivesNoDirectionBelowTwiceTheUncertainty) {
   estimator::WindSeries series;
   series.points = {point_at(0, 10, estimate_of(0.9, 200, 0.5))};
-  EXPECT_THAT(wind_csv(series), HasSubstr(",0.9000,,good,smoothed\n"));
+  EXPECT_THAT(wind_csv(series), HasSubstr(",0.9000,,good,smoothed,,,,,\n"));
 }
 
 TEST(ProfileCsv, HasTheColumnsOfTheContractAndKeepsEmptyBins) {
@@ -66,11 +75,11 @@ TEST(ProfileCsv, HasTheColumnsOfTheContractAndKeepsEmptyBins) {
       "s,"
       "sigma_north_m_s,samples,effective_samples,quality,cov_wind_east_north_m2_s2,sd_sampling_m_s,sd_calibration_m_s,"
       "sd_trim_m_s,spread_from_deg,sd_noise_m_s,sd_climb_law_m_s,resolution_m,freedom,air_pressure_pa,"
-      "air_temperature_k,relative_humidity_pct\n"
+      "air_temperature_k,relative_humidity_pct,barometric_altitude_m\n"
       "up,10.00,20.00,15.10,165.10,2025-06-15T15:06:50.000Z,43.5657000,1.4815000,-4.0000,0.0000,0.2000,0.2000,4.0000,0."
       "2000,"
-      "90.00,2.86,0.5000,0.4000,100,8.25,good,0.004000,0.3000,0.1200,0.0500,6.50,,,,,,,\n"
-      "up,20.00,30.00,,,,,,,,,,,,,,,,0,,none,,,,,,,,,,,,\n");
+      "90.00,2.86,0.5000,0.4000,100,8.25,good,0.004000,0.3000,0.1200,0.0500,6.50,,,,,,,,\n"
+      "up,20.00,30.00,,,,,,,,,,,,,,,,0,,none,,,,,,,,,,,,,\n");
 }
 
 TEST(ProfileCsv, RunsFromTheGroundUpLegByLeg) {

@@ -2,9 +2,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <map>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
+#include "export/cf_netcdf/read_profile.h"
 #include "export/geoid/geoid.h"
+#include "export/pipeline/merge.h"
 #include "export/pipeline/netcdf.h"
 #include "export/pipeline/render.h"
 #include "export/pipeline/run_log.h"
@@ -123,6 +127,129 @@ TEST(Products, WithoutUtcTheLogIsNamed) {
     EXPECT_EQ(text.error().where.file, "ascent.csv");
     EXPECT_THAT(text.error().hint, HasSubstr("--start-utc"));
   }
+}
+
+/// The cells of a CSV by row and column.
+std::vector<std::map<std::string, std::string>> rows_of(const std::string& csv) {
+  std::vector<std::map<std::string, std::string>> rows;
+  std::vector<std::string> names;
+  std::istringstream lines(csv);
+  for (std::string line; std::getline(lines, line);) {
+    std::vector<std::string> cells;
+    std::istringstream stream(line + ",");
+    for (std::string cell; std::getline(stream, cell, ',');) cells.push_back(cell);
+    if (names.empty()) {
+      names = cells;
+      continue;
+    }
+    auto& row = rows.emplace_back();
+    for (std::size_t i = 0; i < names.size() && i < cells.size(); ++i) row[names[i]] = cells[i];
+  }
+  return rows;
+}
+void expect_near(const std::optional<double>& stored, const std::string& printed, double half_digit,
+                 const std::string& what) {
+  ASSERT_EQ(stored.has_value(), !printed.empty()) << what;
+  if (stored) {
+    EXPECT_NEAR(*stored, std::stod(printed), half_digit + 1e-6 * std::abs(*stored)) << what;
+  }
+}
+
+TEST(Products, CsvJsonAndNetcdfOfOneRunTellTheSame) {
+  for (const auto* method : {"bins", "optimal"}) {
+    Flown flown;
+    flown.request.settings.leg.method = method;
+    apply_words(flown.request.settings);
+    const auto answer = flown.answer();
+    ASSERT_TRUE(answer.profile);
+    const auto rows = rows_of(*render_profile(answer, Format::csv));
+    const auto json = nlohmann::json::parse(*render_profile(answer, Format::json));
+    ASSERT_EQ(json["rows"].size(), rows.size());
+    for (std::size_t i = 0; i < rows.size(); ++i)
+      for (const auto& [name, text] : rows[i]) {
+        const auto& value = json["rows"][i][name];
+        if (text.empty())
+          EXPECT_TRUE(value.is_null()) << name;
+        else if (value.is_string())
+          EXPECT_EQ(value, text) << name;
+        else
+          EXPECT_DOUBLE_EQ(value.get<double>(), std::stod(text)) << name;
+      }
+    const auto stored = read_profile_netcdf(ingest::as_bytes(*profile_netcdf_of(answer)), "p.nc");
+    ASSERT_TRUE(stored) << ingest::to_string(stored.error());
+    constexpr const char* legs[] = {"up", "down", "all"};
+    std::size_t seen = 0;
+    for (const auto& record : stored->records) {
+      std::size_t bin = 0;
+      for (std::size_t i = 0; i < rows.size(); ++i) {
+        auto row = rows[i];
+        if (row["leg"] != legs[record.leg]) continue;
+        const auto& b = record.bins.at(bin++);
+        const auto what = row["leg"] + " " + row["bin_bottom_m"];
+        expect_near(b.east, row["wind_east_m_s"], 5e-5, what);
+        expect_near(b.se_north, row["sd_wind_north_m_s"], 5e-5, what);
+        expect_near(b.noise, row["sd_noise_m_s"], 5e-5, what);
+        expect_near(b.calibration, row["sd_calibration_m_s"], 5e-5, what);
+        expect_near(b.trim, row["sd_trim_m_s"], 5e-5, what);
+        expect_near(b.climb_law, row["sd_climb_law_m_s"], 5e-5, what);
+        expect_near(b.sampling, row["sd_sampling_m_s"], 5e-5, what);
+        expect_near(b.resolution_m, row["resolution_m"], 5e-3, what);
+        expect_near(b.freedom, row["freedom"], 5e-4, what);
+        expect_near(b.pressure_pa, row["air_pressure_pa"], 0.5, what);
+        expect_near(b.barometric_altitude_m, row["barometric_altitude_m"], 5e-3, what);
+        std::vector<std::string> reasons;
+        for (const auto reason : b.reasons.list()) reasons.emplace_back(estimator::name(reason));
+        EXPECT_EQ(json["rows"][i]["reasons"], nlohmann::json(reasons)) << what;
+        ++seen;
+      }
+    }
+    EXPECT_GE(seen, 5u);
+    EXPECT_TRUE(stored->records[0].bins[1].noise);
+    EXPECT_EQ(stored->records[0].bins[1].freedom.has_value(), method == std::string("optimal"));
+  }
+}
+
+/// Up and down twice, from the ground and back onto it.
+std::string twice_toml() {
+  auto text = std::string(support::ascent_toml());
+  return text + text.substr(text.find("[[path]]"));
+}
+
+TEST(Products, ALogWithSeveralAscentsHasASectionInItsReport) {
+  Flown flown;
+  EXPECT_FALSE(flown.answer().section) << "one ascent and one descent are the profile's legs";
+  write_text(flown.request.log, flight_csv(support::flown(twice_toml()).flight));
+  const auto answer = flown.answer();
+  ASSERT_TRUE(answer.section);
+  EXPECT_EQ(answer.section->columns.size(), 4u);
+  EXPECT_THAT(*render_profile(answer, Format::html), HasSubstr("Over time and height"));
+  const auto csv = rows_of(*render_section(answer, Format::csv));
+  const auto json = nlohmann::json::parse(*render_section(answer, Format::json));
+  EXPECT_EQ(json["schema"], "quadsonde.section/1");
+  ASSERT_EQ(json["columns"].size(), 4u);
+  EXPECT_EQ(json["rows"].size(), csv.size());
+  EXPECT_EQ(csv.back().at("section_column"), "4");
+  EXPECT_EQ(csv.back().at("section_from_utc"), json["columns"][3]["from_utc"]);
+  EXPECT_TRUE(render_section(answer, Format::netcdf));
+  EXPECT_FALSE(render_section(answer, Format::bufr));
+}
+
+TEST(Products, FlightsTogetherGiveASectionBesideTheirProfile) {
+  Flown flown;
+  auto a = flown.answer(), b = flown.answer();
+  for (auto* legs : {&b.profile->legs, &b.profile->flown})
+    for (auto& leg : *legs) {
+      *leg.utc_from = *leg.utc_from + ingest::seconds(3600), *leg.utc_to = *leg.utc_to + ingest::seconds(3600);
+      for (auto& bin : leg.bins)
+        if (bin.utc) *bin.utc = *bin.utc + ingest::seconds(3600);
+    }
+  const auto both = section_of({&a, &b});
+  ASSERT_TRUE(both) << ingest::to_string(both.error());
+  EXPECT_EQ(both->section->columns.size(), 4u);
+  EXPECT_TRUE(both->profile);
+  EXPECT_TRUE(both->merged);
+  EXPECT_TRUE(render_section(*both, Format::html));
+  EXPECT_TRUE(render_section(*both, Format::netcdf));
 }
 
 }  // namespace

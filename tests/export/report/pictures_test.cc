@@ -2,11 +2,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <sstream>
 
 #include "export/report/axis.h"
 #include "export/report/barb.h"
 #include "export/report/plot.h"
 #include "export/report/profile_picture.h"
+#include "export/report/section_answer.h"
+#include "export/report/section_picture.h"
 #include "export/report/series_picture.h"
 #include "export/report/state_picture.h"
 #include "tests/export/made_up.h"
@@ -200,6 +203,53 @@ TEST(DirectionLabel, IsTheMeteorologistsCircle) {
   EXPECT_EQ(direction_label(-90), "270\xC2\xB0 W");
   EXPECT_EQ(direction_label(405), "45\xC2\xB0");
   EXPECT_DOUBLE_EQ(unwrapped(350, 10), -10);
+}
+
+/// Four legs of the made-up profile, an hour apart in pairs; the second is doubtful up to 60 m and has an empty bin.
+profiles::Section made_up_section() {
+  const auto profile = support::made_up_profile();
+  profiles::Section section;
+  for (int i = 0; i < 4; ++i) {
+    profiles::SectionColumn column{"a<b>.ulg", profile.legs[static_cast<std::size_t>(i % 2)], {}, {}};
+    const auto start = ingest::UtcTime{1'750'000'000'000'000'000} + ingest::seconds(300 * i + 3600 * (i / 2));
+    column.from = start, column.to = start + ingest::seconds(240);
+    for (auto& bin : column.leg.bins)
+      if (bin.utc) bin.utc = start + ingest::seconds(i % 2 ? 240 - bin.bottom : bin.bottom);
+    section.columns.push_back(column);
+  }
+  return section;
+}
+
+TEST(SectionPicture, DrawsAMarkForEachBinThatWasMeasuredAndNothingBetween) {
+  const auto section = made_up_section();
+  const auto svg = section_svg(section, {title(), "s"});
+  EXPECT_EQ(support::xml_fault(svg), std::nullopt);
+  EXPECT_EQ(count(svg, "fill-opacity"), 4u * 23 - 2) << "two bins are empty";
+  EXPECT_EQ(count(svg, "fill-opacity=\"0.12\""), 10u) << "the doubtful ones are pale";
+  for (const auto* word : {"UTC, from 2025-06-15", "height above take-off (m)", "wind speed (m/s)"})
+    EXPECT_THAT(svg, HasSubstr(word));
+}
+
+TEST(SectionPicture, OfNothingSaysSo) {
+  EXPECT_THAT(section_svg({}, {title(), "s"}), HasSubstr("No wind could be estimated"));
+}
+
+TEST(SectionPicture, ColoursGrowWithTheSpeedOverTheSectionsOwnRange) {
+  const auto scale = SpeedScale::of(made_up_section());
+  EXPECT_EQ(scale.step, 1.0);
+  EXPECT_EQ(scale.first, 2.0);
+  EXPECT_EQ(scale.colour(2.1), scale.colour(2.9));
+  EXPECT_NE(scale.colour(2.1), scale.colour(3.1));
+  EXPECT_EQ(scale.colour(99), scale.colour(8.5)) << "the last class is open";
+}
+
+TEST(SectionAnswer, IsATableOfAtMost80ColumnsWithHeightDownAndTimeAcross) {
+  const auto text = section_answer(title(), made_up_section(), ingest::class_prior());
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 80u) << line;
+  EXPECT_THAT(text, HasSubstr("15:08:40"));
+  EXPECT_LT(text.find("  230-240"), text.find("   10-20"));
+  EXPECT_THAT(text, HasSubstr("?"));
 }
 
 }  // namespace
