@@ -142,7 +142,11 @@ class MergedFile {
     const char* z = height ? "height" : "altitude";
     time_ = file_.unlimited("time"), z_ = file_.dimension(z, levels_), nv_ = file_.dimension("nv", 2);
     grid_ = {{time_, z_}, {std::min<std::size_t>(n_, time_chunk), levels_}, {}, {}, true, " n_obs"};
-    grid_.coordinates = std::string("lat lon station_id profile_id ") + (height ? "altitude" : "height");
+    grid_.coordinates = "lat lon station_id profile_id";
+    // CF section 9.6: where a coordinate is missing the data would have to be missing, too.
+    const bool known = std::all_of(m_.records.begin(), m_.records.end(),
+                                   [](const auto& r) { return r.entry->surface_msl_m.has_value(); });
+    if (known) grid_.coordinates += height ? " altitude" : " height";
     grid_.cell_methods = std::string(z) + ": time: mean";
     v_.time = file_.variable("time", Type::float64, {time_}, {time_chunk});
     texts(v_.time, {{"standard_name", "time"},

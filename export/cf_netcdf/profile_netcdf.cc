@@ -65,7 +65,8 @@ class ProfileFile {
     letters_ = file_.dimension("id_strlen", id_length_);
     grid_ = {{time_, altitude_},
              {1, r_.altitude.size()},
-             "lat lon height station_id profile_id",
+             // CF section 9.6: where a coordinate is missing the data would have to be missing, too.
+             r_.takeoff_msl ? "lat lon height station_id profile_id" : "lat lon station_id profile_id",
              "altitude: time: mean",
              true,
              parts};
@@ -113,13 +114,7 @@ class ProfileFile {
                        {"units", "degrees_east"},
                        {"axis", "X"},
                        {"coverage_content_type", "coordinate"}});
-    v_.height = file_.variable("height", Type::float64, grid_.dimensions, grid_.chunks);
-    file_.nan_is_missing(v_.height, Type::float64);
-    put_texts(v_.height, {{"standard_name", "height"},
-                          {"long_name", "height of the bin centre above ground at the take-off point"},
-                          {"units", "m"},
-                          {"positive", "up"},
-                          {"coverage_content_type", "coordinate"}});
+    if (r_.takeoff_msl) define_height();
     const VariableLayout scalar{{}, {}, "lat lon", "", false, ""};
     if (r_.takeoff_msl)
       v_.surface = define(file_, scalar, Type::float64,
@@ -242,11 +237,21 @@ class ProfileFile {
     scalar(v_.lon, r_.place.lon_deg);
     if (r_.takeoff_msl) scalar(v_.surface, r_.takeoff_msl->m);
     if (undulation_) scalar(v_.geoid, *undulation_);
+    if (!r_.takeoff_msl) return;
     std::vector<double> heights;
     for (std::size_t i = 0; i < r_.records.size(); ++i)
-      for (const double z : r_.altitude)
-        heights.push_back(or_nan_double(r_.takeoff_msl ? std::optional(z - r_.takeoff_msl->m) : std::nullopt));
+      for (const double z : r_.altitude) heights.push_back(z - r_.takeoff_msl->m);
     file_.put(v_.height, {r_.records.size(), r_.altitude.size()}, heights);
+  }
+
+  void define_height() {
+    v_.height = file_.variable("height", Type::float64, grid_.dimensions, grid_.chunks);
+    file_.nan_is_missing(v_.height, Type::float64);
+    put_texts(v_.height, {{"standard_name", "height"},
+                          {"long_name", "height of the bin centre above ground at the take-off point"},
+                          {"units", "m"},
+                          {"positive", "up"},
+                          {"coverage_content_type", "coordinate"}});
   }
 
   void put_bins(WindVariables& wind) {
