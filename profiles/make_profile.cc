@@ -104,13 +104,20 @@ class Profiler {
     }
     return heights;
   }
+  /// Whether a sample belongs to a bin: it has a wind and a height. Less than two metres below the take-off point the
+  /// vehicle stands where it started and its barometer's drift and noise go below zero; that makes no bin underground.
+  bool counts(std::size_t i) const {
+    const auto& p = series_.points[i];
+    const bool stands = p.height_agl && p.height_agl->m < 0 && p.height_agl->m > -2;
+    return heights_[i] && !stands && std::holds_alternative<WindEstimate>(p.wind);
+  }
   static bool any(const std::vector<std::optional<double>>& heights) {
     return std::any_of(heights.begin(), heights.end(), [](const auto& h) { return h.has_value(); });
   }
 
   void collect() {
     for (std::size_t i = 0; i < series_.points.size(); ++i) {
-      if (!heights_[i] || !std::holds_alternative<WindEstimate>(series_.points[i].wind)) continue;
+      if (!counts(i)) continue;
       const int bin = static_cast<int>(std::floor(*heights_[i] / settings_.bin_m));
       members_[static_cast<int>(parts_[i])][bin].push_back(i);
       low_ = std::min(low_, bin);
@@ -173,7 +180,7 @@ class Profiler {
   Leg bins_of(LegName name, std::size_t first, std::size_t end) const {
     std::map<int, std::vector<std::size_t>> members;
     for (std::size_t i = first; i < end; ++i)
-      if (heights_[i] && std::holds_alternative<WindEstimate>(series_.points[i].wind))
+      if (counts(i))
         members[static_cast<int>(std::floor(*heights_[i] / settings_.bin_m))].push_back(i);
     Leg leg{name, {}};
     for (int b = low_; b <= high_; ++b) add(leg, row(b, bin_mean(series_, members[b]), members[b]), members[b]);
