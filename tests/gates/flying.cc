@@ -145,6 +145,11 @@ Mean fly(const std::function<ingest::Scenario(int)>& scenario, int seeds, std::o
     }
   }
   for (auto* s : {&mean.smoothed, &mean.causal, &mean.classic, &mean.still}) finish(*s);
+  // What did not fly has no error, rather than none.
+  const auto flew = [&](Mode mode) { return std::find(modes.begin(), modes.end(), mode) != modes.end(); };
+  const Score none{NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN};
+  if (!flew(Mode::classic)) mean.classic = none;
+  if (!flew(Mode::smoothed)) mean.still = none;
   if (bins > 0) mean.bin_rmse = std::sqrt(bin_square / bins), mean.bin_coverage = bin_inside / bins;
   return mean;
 }
